@@ -56,11 +56,11 @@ Rule within(const plausible::Range& range) {
   return {complaint, fmt::format("NUMBER in [{:g} - {:g}]", range.least, range.most)};
 }
 
-Rule between(double smallest, double largest) { return within({smallest, largest}); }
+Rule between(double smallest, double largest) { return within(plausible::Range{smallest, largest}); }
 
 Rule positive() { return within(plausible::kLimit); }
 
-Rule non_negative() { return within({0.0, plausible::kLimit.most}); }
+Rule non_negative() { return within(option_limits::kStd); }
 
 Rule whole_number(std::uint64_t smallest, std::uint64_t largest) {
   const auto rewrite = [smallest, largest](std::string& text) {

@@ -12,6 +12,7 @@
 
 #include "description.hpp"
 #include "paracal/io/file.hpp"
+#include "paracal/mechanism/option_limits.hpp"
 #include "paracal/mechanism/plausible.hpp"
 
 // The command line library costs each unit that includes it four seconds: arguments.cpp and usage.cpp alone do.
@@ -55,6 +56,7 @@ Rule positive();
 Rule non_negative();
 /// Whole numbers from `smallest` to `largest`, 1e6 and the like, too.
 Rule whole_number(std::uint64_t smallest, std::uint64_t largest);
+inline Rule within(const option_limits::Whole& range) { return whole_number(range.least, range.most); }
 
 /// Heading of what --help does not show.
 inline constexpr const char* kHidden = "hidden";

@@ -195,7 +195,7 @@ void add_noise_options(Command& command, MeasuringOptions& options) {
                   "of heights and dial readings without a stated sigma (default: 0.05)")
       ->check(positive());
   command.add_option("--dial-angle-deg", options.dial_angle_deg, "of the direction of a dial gauge (default: 0.5)")
-      ->check(between(0.0, 10.0));
+      ->check(within(option_limits::kDialAngleDeg));
   command
       .add_option("--sigma-deg", options.sigma_deg,
                   "of rotations and orientations without a stated sigma (default: 0.3)")
@@ -239,7 +239,7 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
   command
       .add_option("--scale-ppm", options.scale_ppm,
                   "of the scale of the readings relative to the machine (1 K of steel: 11.5)")
-      ->check(between(0.0, 1e4));
+      ->check(within(option_limits::kScalePpm));
   command.heading("Temperature");
   command
       .add_option("--temperature-c", options.temperature_c,
@@ -291,7 +291,8 @@ void add_instrument_options(Command& command, InstrumentOptions& options) {
       ->excludes(noise);
   command.add_option("--repeatability-mm", options.repeatability_mm, "repeatability of the machine, per coordinate")
       ->check(non_negative());
-  command.add_option("--repeats", options.repeats, "number of visits to every pose")->check(whole_number(1, 10000));
+  command.add_option("--repeats", options.repeats, "number of visits to every pose")
+      ->check(within(option_limits::kRepeats));
   command
       .add_option("--rotation-noise-deg", options.rotation_noise_deg,
                   "of measured phi, or of an orientation about each axis")

@@ -56,6 +56,7 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/mechanism/coordinates.hpp"
 #include "paracal/mechanism/level.hpp"
+#include "paracal/mechanism/option_limits.hpp"
 #include "paracal/mechanism/random.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/tolerances.hpp"

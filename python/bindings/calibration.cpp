@@ -121,8 +121,7 @@ std::vector<SoughtSource> parts_of(const KnownErrors& known) {
 }  // namespace
 
 void add_calibration(py::module_& module) {
-  py::class_<KnownMachine>(module, "KnownMachine")
-      .def(pickled<KnownMachine>())
+  class_of_states<KnownMachine>(module, "KnownMachine")
       .def_readonly("robot", &KnownMachine::robot)
       .def_property_readonly("errors", [](const KnownMachine& m) { return array_of(m.known.errors, m.robot); })
       .def_property_readonly("parameters",
@@ -133,8 +132,7 @@ void add_calibration(py::module_& module) {
                                return array_of(m.known.covariance.topLeftCorner(n, n));
                              })
       .def("predict", &predicted, "joints"_a);
-  py::class_<Calibration>(module, "Calibration")
-      .def(pickled<Calibration>())
+  class_of_states<Calibration>(module, "Calibration")
       .def_property_readonly("robot", [](const Calibration& found) { return found.robot; })
       .def_property_readonly("verdict", [](const Calibration& found) { return std::string(name(found.verdict)); })
       .def_property_readonly("reasons", [](const Calibration& found) { return texts_of(found.reasons); })

@@ -157,8 +157,7 @@ void require_robot(const Robot& robot, const GivenMeasurements& given) {
 }
 
 void add_measurements(py::module_& module) {
-  py::class_<GivenMeasurements>(module, "Measurements")
-      .def(pickled<GivenMeasurements>())
+  class_of_states<GivenMeasurements>(module, "Measurements")
       .def("stations", &stations_of, "robot"_a)
       .def_property_readonly("counts", &counts_of)
       .def_property_readonly("notes", [](const GivenMeasurements& given) { return texts_of(given.readings.notes); })
@@ -167,10 +166,20 @@ void add_measurements(py::module_& module) {
           [](const GivenMeasurements& g) { return g.stated ? std::optional<Robot>(g.stated->robot) : std::nullopt; })
       .def("tables", &tables_of, "robot"_a)
       .def("at_reference_temperature", &at_reference_temperature_of, "expansion"_a);
-  py::class_<io::ExportStatement>(module, "ExportStatement")
-      .def(py::init<std::string, std::string, bool>(), "columns"_a, "unit"_a, "by_order"_a);
-  py::class_<io::TableStyle>(module, "TableStyle")
-      .def(py::init<bool, std::vector<std::string>>(), "decimal_comma"_a, "ignored_columns"_a);
+  class_of_results<io::ExportStatement>(module, "ExportStatement");
+  module.def(
+      "export_statement",
+      [](std::string columns, std::string unit, bool by_order) {
+        return io::ExportStatement{std::move(columns), std::move(unit), by_order};
+      },
+      "columns"_a, "unit"_a, "by_order"_a);
+  class_of_results<io::TableStyle>(module, "TableStyle");
+  module.def(
+      "table_style",
+      [](bool decimal_comma, std::vector<std::string> ignored) {
+        return io::TableStyle{decimal_comma, std::move(ignored)};
+      },
+      "decimal_comma"_a, "ignored_columns"_a);
   module.def("read_measurements", &read_tables, "tables"_a, "poses"_a, "exported"_a, "style"_a, "robot"_a,
              py::call_guard<Released>());
   module.def("merge", &merged, "parts"_a);

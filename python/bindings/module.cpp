@@ -1,6 +1,11 @@
 #include <pybind11/pybind11.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <functional>
 #include <string>
+#include <thread>
 
 #include "arrays.hpp"
 #include "paracal/error.hpp"
@@ -33,7 +38,30 @@ void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-v
   }
 }
 
+std::atomic<bool> ends = false;
+std::atomic<int> taking = 0;  // threads that wait for the lock, or are about to
+std::thread::id ending_thread;
+
 }  // namespace
+
+void take_lock(const std::function<void()>& take) {
+  ++taking;
+  if (ends && std::this_thread::get_id() != ending_thread) {
+    --taking;
+    for (;;) pause();
+  }
+  take();
+  --taking;
+}
+
+void end_threads() {
+  ending_thread = std::this_thread::get_id();
+  ends = true;
+  PyThreadState* const state = PyEval_SaveThread();
+  while (taking > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  PyEval_RestoreThread(state);
+}
+
 }  // namespace paracal::python
 
 PYBIND11_MODULE(_paracal, module) {
@@ -44,7 +72,8 @@ PYBIND11_MODULE(_paracal, module) {
   py::register_exception_translator(&translate);
   module.def(
       "write_file", [](const std::string& path, const std::string& text) { paracal::io::write_file(path, text); },
-      py::arg("path"), py::arg("text"), py::call_guard<py::gil_scoped_release>());
+      py::arg("path"), py::arg("text"), py::call_guard<Released>());
+  py::module_::import("atexit").attr("register")(py::cpp_function(&end_threads));
   add_robots(module);
   add_kinematics(module);
   add_measurements(module);

@@ -8,33 +8,40 @@
 #include "paracal/calibration/source_selection.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/toml.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::python {
-namespace {
 
-// No instrument is outside of these.
-constexpr double kSmallestSigma = 1e-5, kLargest = 1e6;
+double checked(const char* name, double number, const plausible::Range& range) {
+  if (range.contains(number)) return number;
+  throw InvalidArgument(fmt::format("{}: expected {:g} to {:g}, got {:g}", name, range.least, range.most, number));
+}
+
+std::uint64_t checked(const char* name, std::int64_t number, const option_limits::Whole& range) {
+  const auto whole = static_cast<std::uint64_t>(number);
+  if (number >= 0 && whole >= range.least && whole <= range.most) return whole;
+  throw InvalidArgument(fmt::format("{}: expected {} to {}, got {}", name, range.least, range.most, number));
+}
+
+namespace {
 
 TrackerModel tracker_of(const Keywords& given) {
   const auto um = given.get<std::array<double, 4>>("tracker_um", "four numbers");
   const TrackerModel tracker{um[0] * 1e-3, um[1] * 1e-3, um[2] * 1e-3, um[3] * 1e-3};
-  const auto believable = [](double at_one_metre) {
-    return at_one_metre >= kSmallestSigma && at_one_metre <= kLargest;
-  };
+  const auto believable = [](double at_one_metre) { return plausible::kNoise.contains(at_one_metre); };
   const bool positive = std::ranges::all_of(um, [](double one) { return one >= 0.0; });
   if (positive && believable(tracker.transverse + tracker.transverse_per_m) &&
       believable(tracker.radial + tracker.radial_per_m)) {
     return tracker;
   }
   throw InvalidArgument(fmt::format("tracker_um: expected four numbers of at least 0 that give {:g} to {:g} mm at 1 m",
-                                    kSmallestSigma, kLargest));
+                                    plausible::kNoise.least, plausible::kNoise.most));
 }
 
 void take_limits(const Keywords& given, AcceptanceLimits& limits) {
-  constexpr double kLeast = std::numeric_limits<double>::min(), kMost = std::numeric_limits<double>::max();
-  given.take_number("limit_mm", kLeast, kMost, limits.distance);
-  given.take_number("limit_aligned_mm", kLeast, kMost, limits.volumetric);
-  given.take_number("limit_rad", kLeast, kMost, limits.rotation);
+  given.take_number("limit_mm", plausible::kLimit, limits.distance);
+  given.take_number("limit_aligned_mm", plausible::kLimit, limits.volumetric);
+  given.take_number("limit_rad", plausible::kLimitRad, limits.rotation);
 }
 
 void take_mount(const Keywords& given, ReflectorMount& mount) {
@@ -55,22 +62,23 @@ void take_common(const Keywords& given, Options& options) {
   given.choose("rotation", {{"relative", RotationZero::unknown}, {"absolute", RotationZero::known}},
                options.rotation_zero);
   take_mount(given, options.reflectors);
-  given.take_number("scale_ppm", 0.0, 1e4, options.scale_std, 1e-6);
+  given.take_number("scale_ppm", option_limits::kScalePpm, options.scale_std, 1e-6);
   take_limits(given, options.limits);
 }
 
 }  // namespace
 
 NoiseModel noise_of(const Keywords& given) {
+  const plausible::Range dial_angle{0.0, to_radians(option_limits::kDialAngleDeg.most), "rad"};
   NoiseModel noise;
-  given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.distance);
-  given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.point);
-  given.take_number("sigma_mm", kSmallestSigma, kLargest, noise.body);
-  given.take_number("height_sigma_mm", kSmallestSigma, kLargest, noise.height);
-  given.take_number("sigma_rad", kSmallestSigma, kLargest, noise.rotation);
-  given.take_number("distance_bias_mm", 0.0, kLargest, noise.distance_bias);
-  given.take_number("dial_angle_rad", 0.0, kLargest, noise.dial_angle);
-  given.take_number("joint_sigma", 0.0, kLargest, noise.joint);
+  given.take_number("sigma_mm", plausible::kNoise, noise.distance);
+  given.take_number("sigma_mm", plausible::kNoise, noise.point);
+  given.take_number("sigma_mm", plausible::kNoise, noise.body);
+  given.take_number("height_sigma_mm", plausible::kNoise, noise.height);
+  given.take_number("sigma_rad", plausible::kNoise, noise.rotation);
+  given.take_number("distance_bias_mm", option_limits::kStd, noise.distance_bias);
+  given.take_number("dial_angle_rad", dial_angle, noise.dial_angle);
+  given.take_number("joint_sigma", option_limits::kStd, noise.joint);
   if (given.has("tracker_um")) noise.tracker = tracker_of(given);
   return noise;
 }

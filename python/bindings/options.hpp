@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -14,10 +15,16 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/validation.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/option_limits.hpp"
 
 namespace paracal::python {
 
 namespace py = pybind11;
+
+/// The number itself.
+/// @throws InvalidArgument unless it is in the range.
+double checked(const char* name, double number, const plausible::Range& range);
+std::uint64_t checked(const char* name, std::int64_t number, const option_limits::Whole& range);
 
 /// What keywords of a call say; None and what is not there leave the default of the library.
 class Keywords {
@@ -43,15 +50,10 @@ class Keywords {
   }
 
   /// A number times `factor`, into a double or an optional one.
-  /// @throws InvalidArgument unless it is within low ... high.
+  /// @throws InvalidArgument unless it is in the range.
   template <typename Number>
-  void take_number(const char* key, double low, double high, Number& into, double factor = 1.0) const {
-    if (!has(key)) return;
-    const auto value = get<double>(key, "a number");
-    if (!(low <= value && value <= high)) {
-      throw InvalidArgument(fmt::format("{}: expected {:g} to {:g}, got {:g}", key, low, high, value));
-    }
-    into = factor * value;
+  void take_number(const char* key, const plausible::Range& range, Number& into, double factor = 1.0) const {
+    if (has(key)) into = factor * checked(key, get<double>(key, "a number"), range);
   }
 
   template <typename Value>

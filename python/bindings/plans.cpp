@@ -9,6 +9,7 @@
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/error.hpp"
+#include "paracal/units.hpp"
 #include "rooms.hpp"
 
 namespace paracal::python {
@@ -39,6 +40,8 @@ py::dict std_of(const WorkspaceUncertainty& spread) {
 }
 
 py::dict paper_plan_of(const Robot& robot, const std::string& stage, double start_azimuth, double threshold) {
+  checked("start_azimuth_rad", to_degrees(start_azimuth), option_limits::kStartDeg);
+  checked("threshold", threshold, option_limits::kO2Threshold);
   const auto plan = [&] {
     const Released released;
     return paper_plan(robot, stage == "rough" ? Stage::rough : Stage::fine, start_azimuth, threshold);
@@ -65,14 +68,18 @@ Criterion criterion_of(const Keywords& given) {
   return criterion;
 }
 
-py::dict selected(const Robot& robot, int poses, int candidates, std::uint64_t seed, const py::dict& keywords) {
+py::dict selected(const Robot& robot, std::int64_t poses, std::int64_t candidates, std::uint64_t seed,
+                  const py::dict& keywords) {
   const Keywords given(keywords);
-  SelectionOptions options{
-      .poses = poses, .criterion = criterion_of(given), .noise = noise_of(given), .readings = planned_readings(given)};
+  const auto candidate_count = static_cast<int>(checked("candidates", candidates, option_limits::kCandidates));
+  SelectionOptions options{.poses = static_cast<int>(checked("poses", poses, option_limits::kSelectedPoses)),
+                           .criterion = criterion_of(given),
+                           .noise = noise_of(given),
+                           .readings = planned_readings(given)};
   if (given.has("tolerances")) options.tolerances = given.get<Tolerances>("tolerances", "Tolerances");
   const auto plan = [&] {
     const Released released;
-    return select_stations(robot, candidate_stations(robot, candidates, seed), options);
+    return select_stations(robot, candidate_stations(robot, candidate_count, seed), options);
   }();
   py::list curve;
   for (const WorkspaceUncertainty& spread : plan.curve) curve.append(std_of(spread));
@@ -157,11 +164,10 @@ RigidMotion motion_of(const char* keyword, const Array& matrix) {
 }
 
 VirtualInstrument instrument_of(const Keywords& given) {
-  constexpr double kLargest = 1e6;
   VirtualInstrument instrument;
-  given.take_number("noise_mm", 0.0, kLargest, instrument.noise);
-  given.take_number("repeatability_mm", 0.0, kLargest, instrument.repeatability);
-  given.take_number("rotation_noise_rad", 0.0, kLargest, instrument.rotation_noise);
+  given.take_number("noise_mm", option_limits::kStd, instrument.noise);
+  given.take_number("repeatability_mm", option_limits::kStd, instrument.repeatability);
+  given.take_number("rotation_noise_rad", option_limits::kStd, instrument.rotation_noise);
   if (given.has("second_mm")) {
     const auto second = given.get<std::array<double, 3>>("second_mm", "x, y, z in mm");
     instrument.second = Eigen::Vector3d(second[0], second[1], second[2]);
@@ -172,20 +178,20 @@ VirtualInstrument instrument_of(const Keywords& given) {
 }
 
 GivenMeasurements simulated(const BuiltMachine& machine, const std::vector<std::string>& names, const Array& poses,
-                            int repeats, std::uint64_t seed, std::uint64_t stream, const py::dict& keywords) {
+                            std::int64_t repeats, std::uint64_t seed, std::uint64_t stream, const py::dict& keywords) {
   const Keywords given(keywords);
   VirtualInstrument instrument = instrument_of(given);
   PlannedReadings readings = planned_readings(given);
   readings.second = instrument.second.has_value();
   instrument.mount = readings.mount;
   Measurements plan = planned(machine.robot, planned_stations(machine.robot, names, poses), readings);
-  if (repeats < 1) throw InvalidArgument(fmt::format("repeats: expected at least 1, got {}", repeats));
-  if (repeats > 1 && !plan.distances.empty()) {
+  const auto visits = static_cast<int>(checked("repeats", repeats, option_limits::kRepeats));
+  if (visits > 1 && !plan.distances.empty()) {
     throw InvalidArgument("repeats: expected 1 with distances, or another measure");
   }
   const Released released;
-  for (PointSeries& series : plan.series) repeat(series.readings, repeats);
-  for (LengthSeries& series : plan.lengths) repeat(series.readings, repeats);
+  for (PointSeries& series : plan.series) repeat(series.readings, visits);
+  for (LengthSeries& series : plan.lengths) repeat(series.readings, visits);
   RandomStream random(seed, stream);
   return {.readings = simulate(machine.robot, machine.errors, std::move(plan), instrument, random)};
 }

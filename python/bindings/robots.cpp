@@ -90,8 +90,7 @@ SourceErrors read_errors(const Robot& robot, const std::string& path) {
 }  // namespace
 
 void add_robots(py::module_& module) {
-  py::class_<Robot>(module, "Robot")
-      .def(pickled<Robot>())
+  class_of_states<Robot>(module, "Robot")
       .def_property_readonly("name", [](const Robot& robot) { return text_of(robot.name()); })
       .def_property_readonly("limb_count", &Robot::limb_count)
       .def_property_readonly("joint_unit", [](const Robot& robot) { return array_unit(joint_unit(robot.actuator())); })
@@ -105,13 +104,12 @@ void add_robots(py::module_& module) {
       .def_property_readonly("intended", [](const Robot& robot) { return array_of(robot.intended(), robot); })
       .def("json", [](const Robot& robot) { return text_of(io::to_json(robot).dump()); })
       .def("toml", [](const Robot& robot) { return text_of(io::robot_toml(robot)); });
-  py::class_<BuiltMachine>(module, "Machine")
-      .def(py::init(&built), "robot"_a, "errors"_a)
-      .def(py::pickle(
-          [](const BuiltMachine& machine) {
-            return py::make_tuple(machine.robot, array_of(machine.errors, machine.robot));
-          },
-          [](const py::tuple& state) { return built(state[0].cast<Robot>(), state[1].cast<Array>()); }))
+  module.def("machine", &built, "robot"_a, "errors"_a);
+  class_of_results<BuiltMachine>(module, "Machine")
+      .def("__reduce__",
+           [](const BuiltMachine& machine) {
+             return made_by("machine", machine.robot, array_of(machine.errors, machine.robot));
+           })
       .def_readonly("robot", &BuiltMachine::robot)
       .def_property_readonly("errors",
                              [](const BuiltMachine& machine) { return array_of(machine.errors, machine.robot); })

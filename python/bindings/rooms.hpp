@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,18 +18,31 @@ namespace paracal::python {
 
 namespace py = pybind11;
 
+/// Takes the interpreter's lock by `take`. Once the interpreter ends it would rather end the thread that asks, in the
+/// middle of C++, which aborts the process: such a thread sleeps until the process has ended.
+void take_lock(const std::function<void()>& take);
+
+/// To be called when the interpreter begins to end, with its lock.
+void end_threads();
+
 /// Other threads of Python run while the library computes, and Ctrl-C ends what the main thread has asked for.
 class Released {
  public:
-  Released() : interruptible_(&check_signals) {}
+  Released() : state_(PyEval_SaveThread()), interruptible_(&check_signals) {}
+  Released(const Released&) = delete;
+  Released& operator=(const Released&) = delete;
+  ~Released() {
+    take_lock([this] { PyEval_RestoreThread(state_); });
+  }
 
  private:
   static void check_signals() {
-    const py::gil_scoped_acquire acquired;
+    std::optional<py::gil_scoped_acquire> acquired;
+    take_lock([&] { acquired.emplace(); });
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
 
-  py::gil_scoped_release released_;
+  PyThreadState* state_;
   Interruptible interruptible_;
 };
 

@@ -22,6 +22,7 @@
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/error.hpp"
+#include "paracal/io/file.hpp"
 #include "paracal/version.hpp"
 #include "rooms.hpp"
 
@@ -165,9 +166,18 @@ class StateWriter {
   }
 };
 
-/// @throws Error for bytes that end too soon.
+/// @throws Error for bytes that end too soon or too late.
 class StateReader {
  public:
+  template <typename Value>
+  static Value value_of(std::string_view bytes) {
+    StateReader reader(bytes);
+    Value value = reader.read<Value>();
+    if (!reader.left_.empty()) fail("fewer");
+    return value;
+  }
+
+ private:
   explicit StateReader(std::string_view bytes) : left_(bytes) {}
 
   template <typename Value>
@@ -186,6 +196,10 @@ class StateReader {
       return read<std::string>();
     } else if constexpr (std::derived_from<Value, Eigen::EigenBase<Value>>) {
       const auto rows = read<Eigen::Index>(), columns = read<Eigen::Index>();
+      const auto room = static_cast<Eigen::Index>(left_.size());
+      const bool fits = (Value::RowsAtCompileTime == Eigen::Dynamic || Value::RowsAtCompileTime == rows) &&
+                        (Value::ColsAtCompileTime == Eigen::Dynamic || Value::ColsAtCompileTime == columns);
+      if (!fits || rows < 0 || columns < 0 || (columns > 0 && rows > room / columns)) fail("other");
       Value value(rows, columns);
       const std::size_t size = sizeof(double) * static_cast<std::size_t>(value.size());
       std::memcpy(value.data(), raw(size), size);
@@ -225,34 +239,62 @@ class StateReader {
     }
   }
 
- private:
   template <typename Struct, typename... Fields>
   Struct struct_of(std::tuple<const Fields&...>* /*of these*/) {
     return Struct{read<Fields>()...};  // in order, since in braces
   }
 
   const char* raw(std::size_t size) {
-    if (size > left_.size()) throw Error("state: expected more bytes; it is of another version, or was cut");
+    if (size > left_.size()) fail("more");
     const char* data = left_.data();
     left_.remove_prefix(size);
     return data;
   }
 
+  [[noreturn]] static void fail(std::string_view which) {
+    throw Error(fmt::format("state: expected {} bytes; it is of another version, or was changed", which));
+  }
+
   std::string_view left_;
 };
 
-/// What pickle and copy take of an object and make one of.
+/// A class whose objects functions of the module make, and pickle and copy. Its __new__ would make one of nothing.
 template <typename Object>
-auto pickled() {
-  return py::pickle(
-      [](const Object& object) { return py::make_tuple(version(), py::bytes(StateWriter::bytes_of(object))); },
-      [](const py::tuple& state) {
-        if (const auto of = state[0].cast<std::string>(); of != version()) {
-          throw Error(fmt::format("pickle: expected an object of paracal {}, got one of {}", version(), of));
-        }
-        const auto bytes = state[1].cast<std::string>();
-        return StateReader(bytes).read<Object>();
-      });
+py::class_<Object> class_of_results(py::module_& module, const char* name) {
+  return {module, name, py::custom_type_setup([](PyHeapTypeObject* type) {
+            type->ht_type.tp_new = [](PyTypeObject* of, PyObject* /*args*/, PyObject* /*keywords*/) -> PyObject* {
+              PyErr_Format(PyExc_TypeError, "%s: expected a call of a function of paracal, which makes such objects",
+                           of->tp_name);
+              return nullptr;
+            };
+          })};
+}
+
+/// What __reduce__ returns of an object that a function of the module makes.
+template <typename... Arguments>
+py::tuple made_by(const char* function, Arguments&&... arguments) {
+  return py::make_tuple(py::module_::import("paracal._state").attr("made_by"),
+                        py::make_tuple(function, std::forward<Arguments>(arguments)...));
+}
+
+/// The same with pickle and copy, to the bit. A hash tells changed bytes: what a field may hold is not checked again.
+template <typename Object>
+py::class_<Object> class_of_states(py::module_& module, const char* name) {
+  const std::string restored = std::string("_restored_").append(name);
+  const auto restore = [](const std::string& of, const std::string& bytes, const std::string& sha256) {
+    if (of != version()) {
+      throw Error(fmt::format("pickle: expected an object of paracal {}, got one of {}", version(), of));
+    }
+    if (sha256 != io::sha256(bytes)) throw Error("pickle: expected bytes with their hash, got changed ones");
+    return StateReader::value_of<Object>(bytes);
+  };
+  module.def(restored.c_str(), restore, py::arg("version"), py::arg("state"), py::arg("sha256"));
+  auto made = class_of_results<Object>(module, name);
+  made.def("__reduce__", [restored](const Object& object) {
+    const std::string bytes = StateWriter::bytes_of(object);
+    return made_by(restored.c_str(), version(), py::bytes(bytes), io::sha256(bytes));
+  });
+  return made;
 }
 
 }  // namespace paracal::python

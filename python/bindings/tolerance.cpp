@@ -70,10 +70,10 @@ Characteristic characteristic_of(const std::string& wanted) {
 std::vector<Requirement> requirements_of(const std::vector<std::pair<std::string, double>>& given) {
   std::vector<Requirement> requirements;
   for (const auto& [quantity, limit] : given) {
-    if (!(limit > 0.0 && std::isfinite(limit))) {
-      throw InvalidArgument(fmt::format("limit of {}: expected above 0, got {:g}", quantity, limit));
-    }
-    requirements.push_back({characteristic_of(quantity), limit});
+    const Characteristic what = characteristic_of(quantity);
+    const bool turns = unit(what.quantity) == Unit::rad;
+    checked(("limit of " + quantity).c_str(), limit, turns ? plausible::kLimitRad : plausible::kLimit);
+    requirements.push_back({what, limit});
   }
   if (requirements.empty()) throw InvalidArgument("requirements: expected at least one, got none");
   return requirements;
@@ -125,17 +125,18 @@ MonteCarloOptions sampling_of(const Keywords& given) {
   MonteCarloOptions options;
   given.choose("model", {{"linear", Model::linear}, {"exact", Model::exact}}, options.model);
   given.take("seed", "a whole number", options.seed);
-  given.take("max_machines", "a whole number", options.max_machines);
+  auto machines = static_cast<std::int64_t>(options.max_machines);
+  given.take("max_machines", "a whole number", machines);
+  options.max_machines = checked("max_machines", machines, option_limits::kMaxMachines);
   given.take("threads", "a whole number", options.threads);
-  given.take_number("sigma_error", 1e-4, 1.0, options.sigma_error);
-  given.take_number("confidence", 0.5, 0.9999, options.confidence);
-  if (options.max_machines >= 16) return options;
-  throw InvalidArgument(fmt::format("max_machines: expected at least 16, got {}", options.max_machines));
+  given.take_number("sigma_error", option_limits::kRelativeError, options.sigma_error);
+  given.take_number("confidence", option_limits::kConfidence, options.confidence);
+  return options;
 }
 
 FailureOptions failures_of(const Keywords& given, const MonteCarloOptions& drawing) {
   FailureOptions options{.seed = drawing.seed, .confidence = drawing.confidence, .threads = drawing.threads};
-  given.take_number("failure_error", 1e-4, 1.0, options.relative_error);
+  given.take_number("failure_error", option_limits::kRelativeError, options.relative_error);
   return options;
 }
 
@@ -194,9 +195,8 @@ py::dict allocation_of(const Robot& robot, const Allocation& found) {
 py::dict equal_influence(const Robot& robot, const Tolerances& rest, const py::dict& keywords) {
   const Keywords given(keywords);
   EqualInfluence problem{.rest = rest};
-  constexpr double kLeast = std::numeric_limits<double>::min(), kMost = std::numeric_limits<double>::max();
-  given.take_number("max_tilt_rad", kLeast, kMost, problem.max_tilt);
-  given.take_number("least_rad", kLeast, kMost, problem.least);
+  given.take_number("max_tilt_rad", plausible::kLimitRad, problem.max_tilt);
+  given.take_number("least_rad", plausible::kLimitRad, problem.least);
   given.choose("bound", {{"sum-of-maxima", Bound::sum_of_maxima}, {"true-maximum", Bound::true_maximum}},
                problem.bound);
   given.choose("least_is", {{"tolerance", LeastReading::tolerance}, {"sigma", LeastReading::sigma}},
@@ -220,6 +220,7 @@ py::dict solved(const Robot& robot, const Tolerances& rest, const std::string& p
 
 py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const std::string& quantity,
                         bool all_rotations, double relative_error) {
+  checked("relative_error", relative_error, plausible::kLimit);
   const Characteristic what = characteristic_of(quantity);
   GlobalSensitivity global;
   ValueAtPose worst;
@@ -241,8 +242,7 @@ py::dict sensitivity_of(const Robot& robot, const Tolerances& tolerances, const 
 }  // namespace
 
 void add_tolerance(py::module_& module) {
-  py::class_<Tolerances>(module, "Tolerances")
-      .def(pickled<Tolerances>())
+  class_of_states<Tolerances>(module, "Tolerances")
       .def(
           "half_widths",
           [](const Tolerances& t, const Robot& robot) { return vector_of_sources(half_widths(t), robot); }, "robot"_a)

@@ -30,6 +30,12 @@ _COLUMN_UNITS = {
 }
 
 
+def of_result(array: Any) -> Any:
+    """The array of a result, which belongs to nobody else: to change it would change nothing."""
+    array.flags.writeable = False
+    return array
+
+
 def as_doubles(what: str, numbers: npt.ArrayLike) -> FloatArray:
     """An array of doubles. Accepts integers, but no text, complex or boolean values."""
     array = np.asarray(numbers)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Iterable
 import numpy as np
 
 from . import _html, _paracal, _tables
-from ._arrays import BoolArray, FloatArray, Numbers
+from ._arrays import BoolArray, FloatArray, Numbers, of_result
 from ._keywords import keywords
 from .errors import InvalidArgument
 from .known import KnownMachine, NullDirection, Prediction
@@ -72,37 +72,37 @@ class Calibration:
     @property
     def values(self) -> FloatArray:
         """(n) identified errors, actual minus nominal, mm or rad."""
-        return self._native.values
+        return of_result(self._native.values)
 
     @property
     def std(self) -> FloatArray:
         """(n) standard deviations, mm or rad; NaN where not determined."""
-        return self._native.std
+        return of_result(self._native.std)
 
     @property
     def U(self) -> FloatArray:
         """(n) expanded uncertainties U = k std, about 95 %, mm or rad."""
-        return np.asarray(self._native.k * self._native.std)
+        return of_result(self._native.k * self._native.std)
 
     @property
     def data_share(self) -> FloatArray:
         """(n) fraction of the information from the readings: 1 - std^2 / prior_std^2."""
-        return self._native.data_share
+        return of_result(self._native.data_share)
 
     @property
     def identified(self) -> BoolArray:
         """(n) True: at least half of the information is from the readings."""
-        return np.asarray(self._native.identified, dtype=np.bool_)
+        return of_result(np.asarray(self._native.identified, dtype=np.bool_))
 
     @property
     def held(self) -> BoolArray:
         """(n) True: fixed at nominal; its tolerance contributes to every uncertainty."""
-        return np.asarray(self._native.held, dtype=np.bool_)
+        return of_result(np.asarray(self._native.held, dtype=np.bool_))
 
     @property
     def covariance(self) -> FloatArray:
         """(n, n) covariance of the parameters, mm and rad; (0, 0) if no std is available."""
-        return self._native.covariance
+        return of_result(self._native.covariance)
 
     @property
     def rank(self) -> int:
@@ -130,7 +130,7 @@ class Calibration:
     def errors(self) -> FloatArray:
         """(limbs, sources) geometric errors of all limbs, in the units of robot.units; zero where
         not identified."""
-        return self._native.errors
+        return of_result(self._native.errors)
 
     @property
     def machine(self) -> Machine:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import _paracal, _tables
-from ._arrays import BoolArray, FloatArray, Numbers, as_joints, shaped
+from ._arrays import BoolArray, FloatArray, Numbers, as_joints, of_result, shaped
 from .robots import Machine, Robot, native_robot, parameter_names
 
 
@@ -46,7 +46,7 @@ class KnownMachine:
     @property
     def errors(self) -> FloatArray:
         """(limbs, sources) geometric errors, mm and rad; zero where not identified."""
-        return self._native.errors
+        return of_result(self._native.errors)
 
     @property
     def names(self) -> list[str]:
@@ -56,7 +56,7 @@ class KnownMachine:
     @property
     def covariance(self) -> FloatArray:
         """(n, n) covariance of the parameters, mm and rad; (0, 0) if not stated."""
-        return self._native.covariance
+        return of_result(self._native.covariance)
 
     @property
     def machine(self) -> Machine:

@@ -6,7 +6,7 @@ import itertools
 from typing import TYPE_CHECKING, Iterable, Sequence
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray
+from ._arrays import FloatArray, of_result
 from ._tables import Table
 from .errors import InvalidArgument
 from .robots import Robot, native_robot
@@ -27,7 +27,7 @@ class Measurements:
     def poses(self) -> FloatArray:
         """(n, 4) commanded poses: x, y, z in mm, phi in rad; or with commanded tilt (n, 6): x, y, z,
         tilt_x, tilt_y, tilt_z. The first is home."""
-        return self._stations[1]
+        return of_result(self._stations[1])
 
     @property
     def names(self) -> list[str]:
@@ -183,8 +183,8 @@ def read_measurements(
             for k, one in enumerate(given)
         ],
         [_tables.native(one, "poses") for one in _list(poses)],
-        _paracal.ExportStatement(columns or "", unit or "", match == "order"),
-        _paracal.TableStyle(decimal_comma, list(ignore_columns)),
+        _paracal.export_statement(columns or "", unit or "", match == "order"),
+        _paracal.table_style(decimal_comma, list(ignore_columns)),
         None if robot is None else native_robot(robot),
     )
     return Measurements(native, robot)
@@ -218,7 +218,7 @@ def read_poses(
     """
     return _paracal.read_poses(
         _tables.native(table, "poses"),
-        _paracal.TableStyle(decimal_comma, list(ignore_columns)),
+        _paracal.table_style(decimal_comma, list(ignore_columns)),
         None if robot is None else native_robot(robot),
     )
 
@@ -234,5 +234,5 @@ def read_joints(
 
     decimal_comma, ignore_columns: as in read_measurements().
     Raises InputFileError."""
-    style = _paracal.TableStyle(decimal_comma, list(ignore_columns))
+    style = _paracal.table_style(decimal_comma, list(ignore_columns))
     return _paracal.read_joints(_tables.native(table, "joints"), style, native_robot(robot))

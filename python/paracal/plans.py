@@ -119,10 +119,6 @@ def paper_plan(
     """
     if stage not in ("rough", "fine"):
         raise InvalidArgument(f"stage: expected rough or fine, got {stage}")
-    if not (np.isfinite(start_azimuth_rad) and threshold > 0.0):
-        raise InvalidArgument(
-            "start_azimuth_rad, threshold: expected a finite angle and a threshold above 0"
-        )
     found = _paracal.paper_plan(native_robot(robot), stage, start_azimuth_rad, threshold)
     names, poses = found["poses"]
     return Plan(robot, names, poses, found["curve"], {"n": found["n"]})

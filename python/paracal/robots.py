@@ -10,7 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _paracal, _tables
-from ._arrays import FloatArray, Numbers, as_doubles, as_rows, by_name, column_names, pose_axes
+from ._arrays import (
+    FloatArray,
+    Numbers,
+    as_doubles,
+    as_rows,
+    by_name,
+    column_names,
+    of_result,
+    pose_axes,
+)
 from .errors import InvalidArgument
 
 if TYPE_CHECKING:
@@ -123,7 +132,7 @@ class Robot:
     def intended(self) -> FloatArray:
         """(limbs, sources) intended differences between limbs, mm and rad. Geometric errors are
         relative to these."""
-        return self._native.intended
+        return of_result(self._native.intended)
 
     def errors(self, **by_name: npt.ArrayLike) -> FloatArray:
         """(limbs, sources) geometric errors, actual minus nominal, in their units; zero where not
@@ -192,13 +201,13 @@ class Machine:
             )
         if not np.all(np.isfinite(rows)):
             raise InvalidArgument("errors: expected finite numbers, got NaN or infinity")
-        self._native = _paracal.Machine(native, rows)
+        self._native = _paracal.machine(native, rows)
         self.robot = robot
 
     @property
     def errors(self) -> FloatArray:
         """(limbs, sources) geometric errors, mm, rad and mm/m."""
-        return self._native.errors
+        return of_result(self._native.errors)
 
     def __repr__(self) -> str:
         count = np.count_nonzero(self.errors)

@@ -254,8 +254,6 @@ def sensitivity(
     all_rotations: True: mean also over phi; False: phi = 0, as in the paper.
     Raises InvalidArgument for an unknown quantity.
     """
-    if not relative_error > 0.0:
-        raise InvalidArgument(f"relative_error: expected above 0, got {relative_error}")
     native = native_tolerances(tolerances, robot)
     found = _paracal.sensitivity(
         native_robot(robot), native, quantity, all_rotations, relative_error

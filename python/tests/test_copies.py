@@ -2,6 +2,7 @@
 
 import copy
 import enum
+import hashlib
 import inspect
 import pickle
 import subprocess
@@ -153,18 +154,41 @@ class Copies(TestCase):
         )
         self.assertEqual(done.stdout.decode(), calibration.to_json(0), done.stderr)
 
-    def test_what_is_of_another_version_or_cut_is_refused(self):
+    def test_what_is_of_another_version_or_changed_is_refused(self):
         native = pc.robot("huang2016")._native
-        version, state = native.__getstate__()
+        made_by, (restored, version, state, sha256) = native.__reduce__()
 
-        def made(of):
-            return type(native).__new__(type(native)).__setstate__(of)
+        def made(*arguments):
+            return made_by(restored, *arguments)
 
+        self.assertEqual(made(version, state, sha256).toml(), native.toml())
         with self.assertRaisesRegex(pc.Error, "expected an object of paracal .*, got one of 0.0"):
-            made(("0.0", state))
-        for end in (0, 10, len(state) - 1):
-            with self.assertRaisesRegex(pc.Error, "expected more bytes"):
-                made((version, state[:end]))
+            made("0.0", state, sha256)
+        changed = [state[:end] for end in (0, 10, len(state) - 1)] + [state + b"x"]
+        changed += [state[:k] + bytes([state[k] ^ 0x80]) + state[k + 1 :] for k in (0, 7, 60, 300)]
+        for one in changed:
+            with self.assertRaisesRegex(pc.Error, "with their hash, got changed ones"):
+                made(version, one, sha256)
+            if len(one) != len(state):  # by somebody who has made the hash anew, too
+                with self.assertRaisesRegex(pc.Error, "expected (more|fewer|other) bytes"):
+                    made(version, one, hashlib.sha256(one).hexdigest())
+
+    def test_nothing_is_made_of_nothing(self):
+        for one in results():
+            native = getattr(one, "_native", None)
+            if native is not None:
+                with self.assertRaisesRegex(TypeError, "expected a call of a function of paracal"):
+                    type(native).__new__(type(native))
+
+    def test_arrays_of_results_cannot_be_changed(self):
+        seen = 0
+        for one in results():
+            for name, value in self.properties(one).items():
+                if isinstance(value, np.ndarray):
+                    seen += 1
+                    with self.subTest(f"{type(one).__name__}.{name}"):
+                        self.assertFalse(value.flags.writeable)
+        self.assertGreater(seen, 10)
 
 
 if __name__ == "__main__":

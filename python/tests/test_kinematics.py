@@ -333,12 +333,12 @@ class WrongInput(TestCase):
             with self.assertRaisesRegex(pc.InvalidArgument, r"expected an array of shape \(n, 4\)"):
                 call(native, np.zeros(shape))
         with self.assertRaisesRegex(pc.InvalidArgument, "errors: expected one row per limb"):
-            _paracal.Machine(native.robot, np.zeros((3, 14)))
+            _paracal.machine(native.robot, np.zeros((3, 14)))
         native = pc.Machine(pc.robot(HEXAPOD))._native
         with self.assertRaisesRegex(pc.InvalidArgument, r"poses: .*\(n, 6\), got \(2, 4\)"):
             _paracal.inverse(native, np.zeros((2, 4)))
         with self.assertRaisesRegex(pc.InvalidArgument, r"errors: .*\(n, 8\), got \(6, 14\)"):
-            _paracal.Machine(native.robot, np.zeros((6, 14)))
+            _paracal.machine(native.robot, np.zeros((6, 14)))
 
     def test_errors_that_cannot_be(self):
         robot = pc.robot("huang2016")

@@ -61,6 +61,8 @@ class Plans(TestCase):
             self.assertEqual(len(plan), 8)
         for keywords, message in (
             ({"poses": 1}, "expected 2 to the 150 candidates, got 1"),
+            ({"candidates": 10**9}, "candidates: expected 2 to 100000, got 1000000000"),
+            ({"candidates": 5000, "poses": 2000}, "poses: expected 2 to 1000, got 2000"),
             ({"criterion": "E"}, "criterion: expected one of pose, D"),
             ({"measure": "weights"}, "measure: expected one of coordinates, pose, distance.*dial"),
             ({"measure": "distance"}, "distances"),
@@ -206,7 +208,8 @@ class VirtualMachines(TestCase):
         for keywords, message in (
             ({"frame": 2 * turned}, "expected a rotation"),
             ({"frame": np.eye(3)}, "frame"),
-            ({"repeats": 0}, "repeats: expected at least 1, got 0"),
+            ({"repeats": 0}, "repeats: expected 1 to 10000, got 0"),
+            ({"repeats": 10**9}, "repeats: expected 1 to 10000, got 1000000000"),
             ({"repeats": 2, "measure": "distance"}, "expected 1 with distances"),
             ({"noise_mm": -1.0}, "noise_mm: expected 0"),
         ):

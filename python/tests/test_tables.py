@@ -9,6 +9,7 @@ import pandas as pd
 from support import DISTANCES, POSES, TestCase, program
 
 import paracal as pc
+from paracal import _tables
 
 POINTS = {
     "pose": ["P0", "P1", "P2", "P3"],
@@ -50,6 +51,25 @@ class In(TestCase):
         self.same(again["x_mm"], points["x_mm"].astype(float))
         self.same(measured.poses[:, 3], np.radians(POINTS["phi_cmd_deg"]))
         self.assertTrue(np.isnan(again["phi_deg"][2]))
+
+    def test_names_are_no_formulas(self):
+        names = ["=1+1", "'=x", "-cmd", "'a"]
+        read = pc.read_measurements({**POINTS, "pose": names}, robot=pc.robot("huang2016"))
+        self.assertEqual(read.names, names)
+        self.assertIn("\n'=1+1,", read.to_csv()["points"])
+        self.assertEqual(read.to_frame()["pose"].tolist(), names)
+
+    def test_a_path_ends_at_its_end(self):
+        robot = pc.robot("huang2016")
+        calls = (
+            lambda: pc.read_measurements(f"{DISTANCES}\0x", poses=POSES),
+            lambda: pc.read_calibration("c.json\0x"),
+            lambda: pc.read_errors(robot, "errors.toml\0x"),
+            lambda: _tables.write("saved.json\0x", "text"),
+        )
+        for call in calls:
+            with self.assertRaises(ValueError):
+                call()
 
     def test_what_is_blank_was_not_read(self):
         robot = pc.robot("huang2016")

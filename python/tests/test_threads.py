@@ -1,5 +1,6 @@
 """What takes long lets other threads of Python run."""
 
+import subprocess
 import sys
 import threading
 import time
@@ -9,6 +10,28 @@ import numpy as np
 from support import DISTANCES, HEXAPOD, POSES, TestCase
 
 import paracal as pc
+
+
+class Daemons(TestCase):
+    def test_the_interpreter_ends_while_they_compute(self):
+        """Such a thread must not get the interpreter's lock any more: that would abort it."""
+        code = (
+            "import threading, time, numpy as np, paracal as pc\n"
+            "robot = pc.robot('huang2016')\n"
+            "poses = np.tile([200.0, -130.0, -930.0, 0.5], ({rows}, 1))\n"
+            "def work():\n"
+            "    while True:\n"
+            "        pc.inverse(robot, poses)\n"
+            "for _ in range(3):\n"
+            "    threading.Thread(target=work, daemon=True).start()\n"
+            "time.sleep(0.05)\n"
+        )
+        for rows in (1, 2000, 100000):
+            for _ in range(4):
+                done = subprocess.run(
+                    [sys.executable, "-c", code.format(rows=rows)], capture_output=True, timeout=60
+                )
+                self.assertEqual((done.returncode, done.stderr), (0, b""), rows)
 
 
 class Threads(TestCase):

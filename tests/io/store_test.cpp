@@ -168,5 +168,14 @@ TEST_F(Stores, WhatOthersMakeInASharedFolderIsNotUsed) {
   EXPECT_EQ(text("secret"), "again");
 }
 
+TEST_F(Stores, APathEndsAtItsEnd) {
+  const auto is_refused = ThrowsMessage<InvalidArgument>(HasSubstr("expected a path without a zero character"));
+  const std::filesystem::path path = folder / std::string("file\0x", 6);
+  EXPECT_THAT([&] { write_file(path, "text"); }, is_refused);
+  EXPECT_THAT([&] { read_file(path); }, is_refused);
+  EXPECT_THAT([&] { read_stored(path); }, is_refused);
+  EXPECT_EQ(entries(), 0);
+}
+
 }  // namespace
 }  // namespace paracal::io::store_test

@@ -254,16 +254,17 @@ void add_poses(Command& program, Session& session) {
   command->heading("Plan of Huang et al. (2016)");
   command->add_option("--stage", options->stage, "stage of the calibration; adds points until O2 changes little")
       ->check(one_of({"rough", "fine"}));
-  command->add_option("--start-deg", options->start_deg, "azimuth of the first point")->check(between(-360.0, 360.0));
+  command->add_option("--start-deg", options->start_deg, "azimuth of the first point")
+      ->check(within(option_limits::kStartDeg));
   command->add_option("--threshold", options->threshold, "smallest relative change of O2 that still counts")
-      ->check(within({1e-15, 1.0}));
+      ->check(within(option_limits::kO2Threshold));
   command->heading("Optimal poses");
   Option* optimal =
       command->add_option("--optimal", options->optimal, "choose the best N poses, including home, by exchange")
-          ->check(whole_number(2, 1000))
+          ->check(within(option_limits::kSelectedPoses))
           ->shows_default("");
   command->add_option("--candidates", options->candidates, "number of candidate poses")
-      ->check(whole_number(2, 100000))
+      ->check(within(option_limits::kCandidates))
       ->needs(optimal);
   command
       ->add_option("--starts", options->starts,

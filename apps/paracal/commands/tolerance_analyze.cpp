@@ -284,7 +284,7 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
       ->check(between(0.0, 1.0));
   command->heading("Monte Carlo");
   command->add_option("--model", options->model, "model of the simulated machines")->check(one_of({"linear", "exact"}));
-  const Rule share = between(1e-4, 1.0), confidence = between(0.5, 0.9999);
+  const Rule share = within(option_limits::kRelativeError), confidence = within(option_limits::kConfidence);
   command
       ->add_option("--sigma-error", options->monte_carlo.sigma_error,
                    "simulate machines until every sigma has this relative error")
@@ -293,7 +293,7 @@ void add_tolerance_analyze(Command& tolerance, Session& session) {
       ->check(confidence);
   command->add_option("--failure-error", options->failure_error, "relative error of the failure rate")->check(share);
   command->add_option("--max-machines", options->monte_carlo.max_machines, "largest number of simulated machines")
-      ->check(whole_number(16, 1'000'000'000'000));
+      ->check(within(option_limits::kMaxMachines));
   command->add_option("--sobol", options->sobol, "compute Sobol indices from N samples of the exact model")
       ->check(whole_number(8, 10'000'000))
       ->shows_default("");

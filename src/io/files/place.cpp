@@ -1,6 +1,7 @@
 #include "place.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -9,6 +10,8 @@
 #include <cstring>
 #include <optional>
 #include <vector>
+
+#include "paracal/error.hpp"
 
 namespace paracal::io {
 namespace {
@@ -133,6 +136,9 @@ std::string Place::why_not() const {
 Descriptor Place::open(int flags) const { return open_at(folder, name, flags | (is_link_of_kernel ? 0 : O_NOFOLLOW)); }
 
 Place place_of(const fs::path& path, Use use) {
+  if (path.native().find('\0') != std::string::npos) {
+    throw InvalidArgument(fmt::format("{}: expected a path without a zero character, got one", path.string()));
+  }
   return Walk(path, use).end();
 }
 

@@ -41,6 +41,7 @@ enum class Use : std::uint8_t { read, write };
 /// their owners could lead a program of root to any file. Linux has this rule as fs.protected_symlinks and
 /// fs.protected_regular, but not every system switches it on.
 /// @returns a place without an entry, too, if all folders before it are there.
+/// @throws InvalidArgument for a path with a zero character, behind which the kernel reads nothing.
 Place place_of(const std::filesystem::path& path, Use use);
 
 }  // namespace paracal::io
