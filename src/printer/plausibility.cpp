@@ -264,10 +264,10 @@ void require_places(const DeltaGeometry& saved, const DeltaReadings& readings, c
   double spread = 0.0;
   for (const Eigen::Vector2d& place : places) spread = std::max(spread, (place - places.front()).norm());
   if (spread >= limits.least_spread) return;
-  throw InvalidArgument(
-      fmt::format("expected heights across the bed, got all {} within {:.0f} mm of ({:.0f}, {:.0f}) mm: measure at the "
-                  "rim, too",
-                  places.size(), limits.least_spread, places.front().x() + 0.0, places.front().y() + 0.0));
+  throw InvalidArgument(fmt::format(
+      "expected heights across the bed, got all {} within {:.0f} mm of ({:.0f}, {:.0f}) mm: measure at the "
+      "rim, too",
+      places.size(), limits.least_spread, std::round(places.front().x()) + 0.0, std::round(places.front().y()) + 0.0));
 }
 
 bool has_wrong_steps(const DeltaGeometry& saved, const DeltaReadings& readings, const DeltaReadings& shifted) {
