@@ -287,7 +287,7 @@ std::string tilts_in_words(const Robot& robot) {
 /// Levels and tools, where the robot moves Z; tools hang from a plate below the base, and stand on one above.
 void add_tools(const Robot& robot, Values& values) {
   const PlateFreedoms& freedoms = robot.geometry().freedoms;
-  const bool above = robot.nominal().side > 0.0, has_z = moves_z(robot);
+  const bool above = robot.nominal().hang.z() > 0.0, has_z = moves_z(robot);
   const bool tilts = freedoms.free[3] || freedoms.free[4];
   const std::string beside = above ? "above" : "below";
   const std::string tool = fmt::format("T2 P2 Z{} ;a tool with its tip 50 mm {} the plate\n", above ? -50 : 50, beside);

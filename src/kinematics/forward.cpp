@@ -5,6 +5,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "first_guess.hpp"
 #include "guides.hpp"
 #include "linear_closure.hpp"
 #include "numerics/small.hpp"
@@ -16,84 +17,6 @@ using detail::advance;
 using detail::LinearClosure;
 using detail::linearize;
 using detail::Unknowns;
-
-/// First guess on single rods: the plate level, as high above the mean of their upper ends, or below, as rods of that
-/// mean square would hold it; in the middle of its workspace where guides hold z.
-template <int N>
-PlateState rods_start(const Machine& machine, const detail::Elbows<N>& elbows) {
-  const int limbs = detail::limbs_of<N>(machine);
-  PlateState start;
-  if (machine.has_guides && machine.freedoms.holds_z()) {
-    detail::guide(machine, start);
-    return start;
-  }
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double square = 0.0;
-  const auto upper_end = [&](int i) -> Eigen::Vector3d {
-    return 0.5 * (elbows[i].joint.front() + elbows[i].joint.back());
-  };
-  for (int i = 0; i < limbs; ++i) {
-    centre += (upper_end(i) - machine.limbs[i].plate) / limbs;
-    square += elbows[i].rod[0] * elbows[i].rod[0] / limbs;
-  }
-  double spread = 0.0;
-  for (int i = 0; i < limbs; ++i) {
-    spread += (upper_end(i) - machine.limbs[i].plate - centre).squaredNorm() / limbs;
-  }
-  start.position = centre;
-  start.position.z() += machine.side * std::sqrt(std::max(square - spread, 0.25 * square));
-  return start;
-}
-
-/// First guess: the plate level below the mean of the elbows (drawn in by the plate radius), one rod away from them.
-template <int N>
-PlateState elbows_start(const Machine& machine, const detail::Elbows<N>& elbows) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double spread = 0.0, rod = 0.0;
-  for (int i = 0; i < N; ++i) {
-    const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d wrist = limb.base + elbows[i].lever - limb.plate;
-    centre += wrist / N;
-    spread += wrist.head<2>().squaredNorm() / N;
-    rod += limb.mean_rod() / N;
-  }
-  PlateState start;
-  start.position = centre;
-  start.position.z() -= std::sqrt(std::max(rod * rod - spread, 0.25 * rod * rod));
-  return start;
-}
-
-/// A better guess: the plate level still, held by the centre lines of the limbs alone. Newton on
-///
-///   (|d_i|^2 - l_i^2) / 2 = 0,   d_i = r + a_i + mu_i s shat - C_i
-///
-/// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
-/// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
-template <int N>
-PlateState level_start(const Machine& machine, const detail::Elbows<N>& elbows, const PlateState& start) {
-  constexpr int kIterations = 3;
-  constexpr double kSettled = 10.0;  // mm, of the last step
-  PlateState plate = start;
-  Eigen::Matrix<double, N, 1> step;
-  for (int k = 0; k < kIterations; ++k) {
-    Eigen::Matrix<double, N, N> jacobian;
-    Eigen::Matrix<double, N, 1> residual;
-    for (int i = 0; i < N; ++i) {
-      const Limb& limb = machine.limbs[i];
-      const Eigen::Vector3d slide_direction = limb.slide_sign * machine.slide_axis;
-      const Eigen::Vector3d d =
-          plate.position + limb.plate + plate.slide * slide_direction - limb.base - elbows[i].lever;
-      const double rod = limb.mean_rod();
-      residual(i) = 0.5 * (d.squaredNorm() - rod * rod);
-      jacobian.row(i).template head<3>() = d;
-      if constexpr (N == 4) jacobian(i, 3) = d.dot(slide_direction);
-    }
-    step = jacobian.inverse() * residual;
-    plate.position -= step.template head<3>();
-    if constexpr (N == 4) plate.slide -= step(3);
-  }
-  return step.norm() < kSettled ? plate : start;
-}
 
 /// Step in mm, rotations counted at the half width of the parallelogram, where the rods feel them.
 template <int N>
@@ -146,13 +69,12 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
+  result.plate = options.start ? *options.start : detail::level_guess<N>(machine, elbows);
   if constexpr (!detail::kIsLevel<N>) {
-    result.plate = options.start ? *options.start : rods_start<N>(machine, elbows);
     detail::guide(machine, result.plate);
   } else {
-    result.plate = options.start ? *options.start : elbows_start<N>(machine, elbows);
     // From a good guess, that of a machine which tilts its plate is as far away as the level one.
-    if (!options.start || !machine.tilts_plate) result.plate = level_start<N>(machine, elbows, result.plate);
+    if (!options.start || !machine.tilts_plate) result.plate = detail::level_start<N>(machine, elbows, result.plate);
   }
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
   double last_step = 0.0;

@@ -159,7 +159,7 @@ void check_described_limbs(const Geometry& geometry, bool has_slide) {
   }
 }
 
-void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
+void check_workspace_of_limbs(const Workspace& workspace, const PlateFreedoms& freedoms) {
   const double bottom = workspace.top_z - workspace.height;
   if (freedoms.holds_z() ? workspace.height != 0.0 : !(workspace.height > 0.0)) {
     throw InvalidArgument(
@@ -170,11 +170,6 @@ void check_side(const Workspace& workspace, const PlateFreedoms& freedoms) {
   if (!std::isfinite(workspace.top_z) || !std::isfinite(bottom)) {
     throw InvalidArgument(
         fmt::format("workspace.{}: expected a number, got {} mm", workspace.keys().top, workspace.top_z));
-  }
-  if (!freedoms.holds_z() && !(workspace.top_z < 0.0 || bottom > 0.0)) {
-    throw InvalidArgument(
-        fmt::format("workspace.{}: expected a workspace above or below the base, got z from {} to {} mm",
-                    workspace.keys().top, bottom, workspace.top_z));
   }
   if (!(workspace.max_tilt >= 0.0) || !(workspace.max_tilt < 0.5 * std::numbers::pi)) {
     throw InvalidArgument(fmt::format("workspace.tilt_deg: expected at least 0 and less than 90 deg, got {:g}",

@@ -21,8 +21,7 @@ std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geomet
 /// At least as many as the plate has degrees of freedom, each with places, lengths and directions, no two alike.
 void check_described_limbs(const Geometry& geometry, bool has_slide);
 
-/// The whole workspace is on one side of the base, or in the plane in which guides hold the plate, and its tilt less
-/// than a right angle.
-void check_side(const Workspace& workspace, const PlateFreedoms& freedoms);
+/// The workspace is flat where guides hold the plate in a plane, and only there; its tilt is less than a right angle.
+void check_workspace_of_limbs(const Workspace& workspace, const PlateFreedoms& freedoms);
 
 }  // namespace paracal::detail

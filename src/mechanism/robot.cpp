@@ -127,7 +127,7 @@ void check_rotation(const Workspace& workspace, bool has_slide) {
 void check_workspace(const Workspace& workspace, bool has_slide, const Geometry& geometry) {
   workspace.check_shape();
   check_rotation(workspace, has_slide);
-  if (!geometry.limbs.empty()) return detail::check_side(workspace, geometry.freedoms);
+  if (!geometry.limbs.empty()) return detail::check_workspace_of_limbs(workspace, geometry.freedoms);
   require_positive_mm(fmt::format("workspace.{}", workspace.keys().height), workspace.height);
   if (workspace.max_tilt != 0.0) {
     throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
@@ -210,6 +210,23 @@ void check_parts(RobotDescription& description) {
   if (has_slide) check_slide(*description.slide, geometry.limb_azimuth.size());
 }
 
+/// See BasicMachine::hang.
+Eigen::Vector3d hang_of(const Machine& machine) {
+  constexpr double kAmong = 0.25;  // of a rod: nearer to the mean of their upper ends the plate is among them
+  Eigen::Vector3d from_ends = Eigen::Vector3d::Zero();
+  double rod = 0.0;
+  const double share = 1.0 / static_cast<double>(machine.limb_count);
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const Limb& limb = machine.limbs[i];
+    const Eigen::Vector3d joint = machine.range.centre + limb.plate;
+    const double q = solve_joint(limb, joint).joint;
+    from_ends += share * (joint - limb.base - elbow_lever(limb, q, arm_directions(limb, q)));
+    rod += share * rods_at(limb, q)[0];
+  }
+  if (from_ends.norm() < kAmong * rod) return Eigen::Vector3d::Zero();
+  return from_ends.normalized();
+}
+
 Machine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (!control_character(description.name).empty())
@@ -229,6 +246,7 @@ Machine checked_nominal(RobotDescription& description) {
   }
   Machine nominal = build(description, SourceErrors{});
   detail::check_closure(nominal, description);
+  nominal.hang = description.hang = hang_of(nominal);
   return nominal;
 }
 

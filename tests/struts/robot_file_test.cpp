@@ -102,7 +102,6 @@ TEST(StrutFile, WhatMakesNoSenseIsRefusedWithTheReason) {
   expect_refused(text_with("kind = \"strut\"", "kind = \"cord\""),
                  "robot.toml:8: expected \"strut\", \"arm\" or \"rail\"");
   expect_refused(text_with("length_at_zero_mm = 500.0", "length_at_zero_mm = -5"), "length_at_zero_mm of limb 1");
-  expect_refused(text_with("top_z_mm = 550", "top_z_mm = 50"), "above or below the base");
   expect_refused(text_with("tilt_deg = 10", "tilt_deg = 95"), "workspace.tilt_deg");
   expect_refused(text_with("[workspace]",
                            "[plate]\nslide_axis = [0, -1, 0]\nslide_sign = [1, 1, 1, -1, -1, -1]\n"

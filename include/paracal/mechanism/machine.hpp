@@ -11,6 +11,13 @@ namespace paracal {
 struct RobotDescription;
 class Robot;
 
+/// Where the plate works, as far as a search for it needs to know; mm and rad.
+struct WorkingRange {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the workspace
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();    ///< from there to the sides of the box around it
+  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();    ///< as far as each angle goes, either way
+};
+
 /// A robot as built: the constants of all loop closures with the source errors worked in. Fixed size, no heap.
 template <typename Scalar>
 struct BasicMachine {
@@ -18,12 +25,17 @@ struct BasicMachine {
   std::array<BasicLimb<Scalar>, kMaxLimbs> limbs;
   Eigen::Vector3d slide_axis = Eigen::Vector3d::Zero();  ///< shat in the plate frame; zero for a rigid plate
   double pinion_radius = 0.0;                            ///< r_g, mm; zero for a rigid plate
-  bool tilts_plate = false;                              ///< some source error of the tilt group is not zero
-  double side = -1.0;                                    ///< of the base where the plate is: +1 above, -1 below
-  PlateFreedoms freedoms = {};                           ///< of the plate, without its slide
-  bool is_level = false;    ///< parallelograms alone keep the plate level: three of them, or four and a slide
-  bool has_guides = false;  ///< guides hold what is not free: no limb has two rods
-  double guided_z = 0.0;    ///< where guides hold z, mm
+  /// The centre lines of the limbs do not say where the plate is: some source error of the tilt group is not zero, or
+  /// a parallelogram leans whose plate can be tilted.
+  bool tilts_plate = false;
+  WorkingRange range = {};
+  /// Unit vector from the upper ends of the rods to the plate in the middle of the workspace; zero where it is among
+  /// them, or unknown.
+  Eigen::Vector3d hang = Eigen::Vector3d::Zero();
+  PlateFreedoms freedoms = {};  ///< of the plate, without its slide
+  bool is_level = false;        ///< parallelograms alone keep the plate level: three of them, or four and a slide
+  bool has_guides = false;      ///< guides hold what is not free: no limb has two rods
+  double guided_z = 0.0;        ///< where guides hold z, mm
   std::array<std::uint16_t, kMaxLimbs + 1> first_parameter{};  ///< of each limb, and how many there are
 
   Actuator actuator() const { return limbs[0].actuator; }

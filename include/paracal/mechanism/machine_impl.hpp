@@ -132,6 +132,12 @@ void hang_parallelogram(const NominalLimb& nominal, const ErrorOf& error, BasicL
   limb.plate_width = Scalar(nominal.width);
 }
 
+inline WorkingRange working_range(const Workspace& workspace) {
+  return {.centre = workspace.centre(),
+          .half = 0.5 * workspace.bounds().sizes(),
+          .tilt = {workspace.tilt_about(0), workspace.tilt_about(1), workspace.tilt_about(2)}};
+}
+
 }  // namespace detail
 
 template <typename Scalar>
@@ -139,7 +145,8 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
   const Geometry& nominal = robot.geometry;
   BasicMachine<Scalar> machine;
   machine.limb_count = nominal.limb_azimuth.size();
-  machine.side = robot.workspace.top_z > 0.0 ? 1.0 : -1.0;
+  machine.range = detail::working_range(robot.workspace);
+  machine.hang = robot.hang;
   machine.freedoms = nominal.freedoms;
   machine.guided_z = robot.workspace.top_z;
   if (robot.slide) {

@@ -103,6 +103,8 @@ struct RobotDescription {
   Eigen::Vector3d controller_origin = Eigen::Vector3d::Zero();
   /// Of every joint, if known.
   std::optional<JointLimits> joint_limits = {};
+  /// See BasicMachine::hang; Robot sets it.
+  Eigen::Vector3d hang = Eigen::Vector3d::Zero();
 };
 
 /// A valid nominal robot: every length is positive, the limbs differ, reach the whole workspace and hold the plate

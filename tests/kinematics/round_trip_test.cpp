@@ -1,0 +1,117 @@
+// The joints of a pose lead back to it, whatever the robot and wherever its frame begins.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "paracal/io/toml.hpp"
+#include "paracal/kinematics/forward.hpp"
+#include "paracal/kinematics/inverse.hpp"
+#include "support/robots.hpp"
+
+namespace paracal::round_trip_test {
+namespace {
+
+using test::Random;
+
+Robot robot_of(const std::string& text) { return io::read_robot({"robot.toml", text}); }
+
+/// Largest distance of a pose from where its joints lead, mm or rad; of nominal machines, or with errors.
+double off(const Robot& robot, int poses, double errors_mm = 0.0) {
+  Random random;
+  double worst = 0.0;
+  for (int k = 0; k < poses; ++k) {
+    const Machine machine = build(robot, random.errors(robot, errors_mm, 0.005 * errors_mm));
+    const Pose pose = random.pose(robot);
+    const InverseResult joints = inverse(machine, pose);
+    EXPECT_TRUE(joints.ok());
+    const ForwardResult back = forward(machine, joints.joints);
+    EXPECT_TRUE(back.ok());
+    worst = std::max({worst, (back.plate.position - pose.position).norm(),
+                      robot.commands_tilt() ? (back.plate.tilt - pose.tilt).norm() : 0.0});
+  }
+  return worst;
+}
+
+/// Limbs hung from points 4 m above the floor, or standing on it, and a base frame that begins at any height.
+std::string six_struts(double base_z, double top_z) {
+  return fmt::format(R"(name = "six"
+[[limb]]
+kind = "strut"
+repeat = 3
+mirrored = true
+base_joint_mm = [3000, 0, {}]
+plate_joint_mm = [500, 866, 0]
+length_at_zero_mm = 3500
+[workspace]
+radius_mm = 400
+height_mm = 600
+top_z_mm = {}
+tilt_deg = 5
+)",
+                     base_z, top_z);
+}
+
+TEST(RoundTrip, IsOnTheSideOfTheWorkspaceWhereverTheFrameBegins) {
+  for (const double base : {4000.0, 0.0, -7000.0, 1300.0}) {
+    for (const double below : {-2400.0, 3000.0}) {  // hung, standing
+      EXPECT_LT(off(robot_of(six_struts(base, base + below)), 100), 1e-9) << base << " " << below;
+    }
+  }
+}
+
+/// A point on three lines, hung as above; and a Delta with its plate above the arms, or on a wall.
+TEST(RoundTrip, IsThatOfAnyMountedRobot) {
+  for (const double floor : {0.0, 3000.0, -5000.0}) {
+    const std::string lines = fmt::format(R"(name = "lines"
+[plate]
+freedoms = ["x", "y", "z"]
+[[limb]]
+kind = "strut"
+repeat = 3
+base_joint_mm = [2000, 0, {}]
+plate_joint_mm = [0, 0, 0]
+length_at_zero_mm = 2500
+[workspace]
+radius_mm = 500
+height_mm = 800
+top_z_mm = {}
+)",
+                                          floor + 3000.0, floor + 1500.0);
+    EXPECT_LT(off(robot_of(lines), 100), 1e-9) << floor;
+  }
+  const std::string standing = R"(name = "standing"
+[plate]
+freedoms = ["x", "y", "z"]
+[[limb]]
+kind = "arm"
+repeat = 3
+base_joint_mm = [200, 0, 0]
+plate_joint_mm = [50, 0, 0]
+arm_mm = 200
+axis = [0, -1, 0]
+arm_at_zero = [1, 0, 0]
+rod_mm = 450
+parallelogram_width_mm = 80
+[workspace]
+radius_mm = 120
+height_mm = 120
+top_z_mm = 450
+)";
+  EXPECT_LT(off(robot_of(standing), 100, 0.3), 1e-9);
+  std::string wall = "name = \"wall\"\n[plate]\nfreedoms = [\"x\", \"y\", \"z\"]\n";
+  for (const double turn : {0.0, 2.0, 4.0}) {
+    const double c = std::cos(turn * std::numbers::pi / 3.0), s = std::sin(turn * std::numbers::pi / 3.0);
+    wall += fmt::format(
+        "[[limb]]\nkind = \"arm\"\nbase_joint_mm = [0, {}, {}]\nplate_joint_mm = [0, {}, {}]\narm_mm = 200\n"
+        "axis = [0, {}, {}]\narm_at_zero = [0, {}, {}]\nrod_mm = 450\nparallelogram_width_mm = 80\n",
+        200 * c, 200 * s, 50 * c, 50 * s, s, -c, c, s);
+  }
+  wall += "[workspace]\nx_mm = [330, 450]\ny_mm = [-80, 80]\nz_mm = [-80, 80]\n";
+  EXPECT_LT(off(robot_of(wall), 100, 0.3), 1e-9);
+}
+
+}  // namespace
+}  // namespace paracal::round_trip_test
