@@ -36,6 +36,7 @@ class ForwardStatus(IntEnum):
     strained = 1  #: converged, but a rod-length residual is above 1 mm
     singular = 2  #: the plate can move with fixed joints
     not_converged = 3
+    other_mode = 4  #: outside of the workspace, and not reached by moving from its middle
 
 
 class Inverse(NamedTuple):

@@ -70,4 +70,27 @@ PlateState level_start(const Machine& machine, const Elbows<N>& elbows, const Pl
   return step.norm() < kSettled ? plate : start;
 }
 
+/// Where the rods agree best with a plate that stays level, from the middle of the workspace: long rods hold the place
+/// of a small plate well and its turns weakly, and a first step of both would turn it over.
+template <int N>
+PlateState placed_level(const Machine& machine, const Joints& joints) {
+  constexpr int kIterations = 6;
+  const Elbows<N> elbows = elbows_of<N>(machine, joints);
+  PlateState plate{.position = machine.range.centre};
+  for (int k = 0; k < kIterations; ++k) {
+    if constexpr (!kIsLevel<N>) guide(machine, plate);
+    const LinearClosure<N> linear = linearize<N>(machine, plate, elbows);
+    const auto moves = linear.jacobian.template leftCols<3>();
+    Eigen::Matrix3d normal = moves.transpose().lazyProduct(moves);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (linear.held[axis]) normal.diagonal()(static_cast<Eigen::Index>(axis)) = 1.0;
+    }
+    const SmallCholesky<Eigen::Matrix3d> factors(normal);
+    if (!factors.ok()) break;
+    const Eigen::Vector3d step = factors.solve(moves.transpose().lazyProduct(linear.residual));
+    plate.position -= step;
+  }
+  return plate;
+}
+
 }  // namespace paracal::detail

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <type_traits>
 
@@ -9,6 +10,7 @@
 #include "guides.hpp"
 #include "linear_closure.hpp"
 #include "numerics/small.hpp"
+#include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
 namespace {
@@ -119,10 +121,83 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
   return result;
 }
 
+/// In the workspace, or so near to it that no second way to assemble the machine is in question.
+bool is_near(const WorkingRange& range, const PlateState& plate) {
+  constexpr double kSlack = 1e-6, kMargin = 0.1, kTurn = 0.05;  // mm; of the workspace; rad
+  const Eigen::Array3d away = (plate.position - range.centre).array().abs();
+  const Eigen::Array3d turned = plate.tilt.array().abs() - range.tilt.array();
+  return (away <= (1.0 + kMargin) * range.half.array() + kSlack).all() && (turned <= kTurn).all();
+}
+
+/// From joints to joints, the shorter way round.
+Joints change_of(const Machine& machine, const Joints& from, const Joints& to) {
+  Joints change = to - from;
+  for (Eigen::Index i = 0; i < change.size(); ++i) {
+    if (swings_arm(machine.limbs[static_cast<std::size_t>(i)].actuator)) {
+      change(i) = std::remainder(change(i), 2.0 * std::numbers::pi);
+    }
+  }
+  return change;
+}
+
+/// The plate that straight motions of all joints from the middle of the workspace lead to: the assembly mode in which
+/// the machine works. `not_converged` where they do not get there; empty where the machine does not reach that middle.
+template <int N>
+std::optional<ForwardResult> led_from_centre(const Machine& machine, const Joints& joints,
+                                             const ForwardOptions& options) {
+  constexpr double kFirst = 0.125, kLeast = 1.0 / 256.0;  // of the way
+  constexpr int kEasily = 10;                             // iterations: a plate that it takes more is not the next one
+  const Pose centre{machine.range.centre};
+  const InverseResult home = inverse(machine, centre);
+  if (!home.ok()) return std::nullopt;
+  const Joints way = change_of(machine, home.joints, joints);
+  ForwardResult reached;
+  reached.plate = plate_at(machine, centre);
+  ForwardOptions step = options;
+  step.max_iterations = kEasily;
+  for (double at = 0.0, by = kFirst; at < 1.0;) {
+    const double next = std::min(at + by, 1.0);
+    step.start = reached.plate;
+    const ForwardResult tried = solve<N>(machine, next < 1.0 ? Joints(home.joints + next * way) : joints, step);
+    if (tried.usable()) {
+      reached = tried;
+      at = next;
+    } else if ((by *= 0.5) < kLeast) {
+      reached.status = ForwardStatus::not_converged;
+      return reached;
+    }
+  }
+  return reached;
+}
+
+/// The same plate, but for rounding.
+bool is_same(const PlateState& one, const PlateState& other) {
+  constexpr double kSame = 1e-6;  // mm, rad
+  return (one.position - other.position).norm() < kSame && (one.tilt - other.tilt).norm() < kSame;
+}
+
+/// A solution outside of the workspace may be that of a machine assembled otherwise.
+template <int N>
+ForwardResult in_its_mode(const Machine& machine, const Joints& joints, const ForwardOptions& options) {
+  ForwardResult direct = solve<N>(machine, joints, options);
+  const auto is_meant = [&](const ForwardResult& found) { return found.ok() && is_near(machine.range, found.plate); };
+  if (options.start || !joints.allFinite() || is_meant(direct)) return direct;
+  ForwardOptions placed = options;
+  placed.start = detail::placed_level<N>(machine, joints);
+  if (const ForwardResult other = solve<N>(machine, joints, placed); is_meant(other)) return other;
+  const std::optional<ForwardResult> led = led_from_centre<N>(machine, joints, options);
+  if (led && led->usable()) {
+    const bool agrees = direct.usable() && is_same(direct.plate, led->plate);
+    return agrees ? direct : *led;
+  }
+  if (led && direct.ok()) direct.status = ForwardStatus::other_mode;
+  return direct;
+}
+
 }  // namespace
 
 ForwardResult forward(const Machine& machine, const Joints& joints, const ForwardOptions& options) noexcept {
-  return detail::with_limb_count(machine, [&]<int N>() { return solve<N>(machine, joints, options); });
+  return detail::with_limb_count(machine, [&]<int N>() { return in_its_mode<N>(machine, joints, options); });
 }
 
 }  // namespace paracal

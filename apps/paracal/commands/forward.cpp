@@ -21,12 +21,8 @@ struct ForwardArguments {
 io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
   const ForwardResult result = forward(machine, row.joints);
   if (!result.ok()) {
-    const char* why = result.residual > ForwardOptions{}.max_residual ? "the rods do not meet"
-                      : result.status == ForwardStatus::singular      ? "the joints do not hold the plate"
-                                                                      : "the iteration did not converge";
     throw MathematicsSaysNo(
-        fmt::format("{}: joints {}: no solution: {} (largest rod residual {:.3g} mm after {} iterations)",
-                    row.stated_in, row.name, why, result.residual, result.iterations));
+        fmt::format("{}: joints {}: no solution: {}", row.stated_in, row.name, why_no_pose(machine, result)));
   }
   return {row.name, result, machine.rotation_of(result.plate.slide)};
 }

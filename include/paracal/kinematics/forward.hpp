@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "paracal/kinematics/closure.hpp"
 #include "paracal/mechanism/machine.hpp"
@@ -14,11 +15,16 @@ enum class ForwardStatus : std::uint8_t {
   strained,       ///< converged, but a rod-length residual is above max_residual: no exact solution
   singular,       ///< the plate can move with fixed joints; the plate state is that of the last iteration
   not_converged,  ///< max_iterations reached, or NaN; the plate state is that of the last iteration
+  /// The plate state closes all rods, but outside of the workspace and in another assembly mode: moving from the middle
+  /// of the workspace the plate does not get there.
+  other_mode,
 };
 
 struct ForwardOptions {
-  std::optional<PlateState> start =
-      {};  ///< first guess; default: below the base at the closed-form depth of the joints
+  /// First guess, whose assembly mode is meant. Default: on the side of the workspace, as far from the upper ends of
+  /// the rods as their lengths say; where this leads out of the workspace, in straight motions of all joints from its
+  /// middle.
+  std::optional<PlateState> start = {};
   int max_iterations = 50;
   double step_tolerance = 1e-9;  ///< mm (rotations count with half the parallelogram's width): stop below this step
   double max_residual = 1.0;     ///< mm: above it a converged solution is `strained`
@@ -38,6 +44,10 @@ struct [[nodiscard]] ForwardResult {
   /// The plate state is the minimiser, even if the rods are strained.
   bool usable() const { return ok() || status == ForwardStatus::strained; }
 };
+
+/// Why joints have no pose, of a result that is not ok(): "the rods do not meet (largest rod residual 3 mm after 9
+/// iterations)".
+std::string why_no_pose(const Machine& machine, const ForwardResult& result);
 
 /// Exact pose of a machine from its joint coordinates.
 ///
