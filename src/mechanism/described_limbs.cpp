@@ -105,6 +105,23 @@ void check_freedoms(const Geometry& geometry, bool has_slide) {
   }
 }
 
+/// Both bars of a parallelogram stay parallel, so it lets a plate turn about their direction alone.
+void check_parallelograms(const Geometry& geometry) {
+  constexpr double kParallel = 1e-6;  // sine
+  for (std::size_t i = 0; i < geometry.limbs.size(); ++i) {
+    if (on_single_rods(geometry.limbs[i].kind)) continue;
+    const Eigen::Vector3d bar = frame_of(geometry.limbs[i]).col(2);
+    for (int k = 0; k < 3; ++k) {
+      const auto coordinate = static_cast<std::size_t>(k) + 3;
+      if (!geometry.freedoms.free[coordinate] || bar.cross(Eigen::Vector3d::Unit(k)).norm() < kParallel) continue;
+      throw InvalidArgument(fmt::format(
+          "plate.freedoms: expected no {} for limb {} with two rods: its bars lie along {} and keep the plate from "
+          "turning about {}. Remove {}, or give this limb one rod (no parallelogram_width_mm)",
+          kPlateCoordinates[coordinate], i + 1, numbers(bar), "xyz"[k], kPlateCoordinates[coordinate]));
+    }
+  }
+}
+
 /// Tables of joints have one unit.
 void check_joint_units(const Geometry& geometry) {
   for (std::size_t i = 1; i < geometry.limbs.size(); ++i) {
@@ -157,6 +174,7 @@ void check_described_limbs(const Geometry& geometry, bool has_slide) {
                                         i + 1, place(limb.base), place(limb.plate)));
     }
   }
+  check_parallelograms(geometry);
 }
 
 void check_workspace_of_limbs(const Workspace& workspace, const PlateFreedoms& freedoms) {
