@@ -87,6 +87,13 @@ Vector3<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
   return limb.frame.col(0).cast<Scalar>() * error("normal") + limb.frame.col(2).cast<Scalar>() * error("across");
 }
 
+/// Whether the bars of a parallelogram are no longer parallel to the axis about which its plate can be commanded: they
+/// then turn as the plate does, and its rods cannot keep their lengths.
+template <typename Scalar, typename ErrorOf>
+bool turns_bars(Actuator kind, const ErrorOf& error) {
+  return error("alpha0") != Scalar(0) || (swings_arm(kind) && error("beta0") != Scalar(0));
+}
+
 /// Where the drive takes the upper end of the rods.
 template <typename Scalar, typename ErrorOf>
 void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
@@ -154,6 +161,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     machine.pinion_radius = robot.slide->pinion_radius;
   }
   std::size_t parallelograms = 0;
+  bool turns_bars = false;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const detail::NominalLimb limb = detail::nominal_limb(robot, i);
     const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
@@ -170,7 +178,9 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     for (const Source source : own) {
       if (paracal::tilts_plate(source) && error(source) != Scalar(0)) machine.tilts_plate = true;
     }
+    if (!on_single_rods(limb.kind) && detail::turns_bars<Scalar>(limb.kind, error)) turns_bars = true;
   }
+  if (machine.commands_tilt() && turns_bars) machine.tilts_plate = true;
   machine.has_guides = parallelograms == 0 && !machine.freedoms.are_all();
   machine.is_level = parallelograms == machine.limb_count && machine.freedoms == kLevelPlate &&
                      machine.limb_count == (robot.slide ? 4U : 3U);
