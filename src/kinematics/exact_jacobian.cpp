@@ -59,20 +59,56 @@ ParallelogramRow rod_derivative(const Limb& limb, double joint, const Elbow<doub
   return derivative;
 }
 
+/// Where spare limbs disagree, J^T f = 0 moves with the curvature of the rods as well:
+///
+///   (J^T J + sum_j f_j d2f_j) dplate = -(J^T df + sum_j f_j d(J_j^T)) dp.
+///
+/// This is d(J_j^T) / dp for the errors of limb j with one rod, in 1 / mm and mm / mm. As its derivative n.w is linear
+/// in n but for lengths, w is what it is along x, y and z less what it is along nothing.
+Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(kMostSources)> turned_gradient(
+    const Limb& limb, double joint, const PlateRotation<double>& rotation, const Eigen::Vector3d& n,
+    const Eigen::Vector3d& lever, double length) {
+  const auto along = [&](const Eigen::Vector3d& direction) {
+    return detail::single_rod_derivative(limb, joint, rotation.matrix, direction);
+  };
+  const detail::SourceRow lengths = along(Eigen::Vector3d::Zero());
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, static_cast<int>(kMostSources)> w(3, lengths.size());
+  for (int axis = 0; axis < 3; ++axis) w.row(axis) = along(Eigen::Vector3d::Unit(axis)) - lengths;
+  Eigen::Matrix<double, 3, 6> motion = Eigen::Matrix<double, 3, 6>::Identity();
+  for (int k = 0; k < 3; ++k) motion.col(3 + k) = rotation.axes.col(k).cross(lever);
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(kMostSources)> gradient =
+      motion.transpose() * ((w - n * (n.transpose() * w)) / length);
+  const auto plate = static_cast<Eigen::Index>(place_in(limb.actuator, "plate_x"));
+  for (int k = 0; k < 3; ++k) {  // the joint at the plate takes its lever along
+    gradient.template block<1, 3>(3 + k, plate) += n.cross(rotation.axes.col(k)).transpose() * rotation.matrix;
+  }
+  return gradient;
+}
+
 template <int N>
 ExactJacobian differentiate(const Machine& machine, const PlateState& plate, const Joints& joints) {
   ExactJacobian jacobian;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
   const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
-  const detail::SmallCholesky<detail::NormalMatrix<N>> normal(linear.normal());
+  using Factors = detail::SmallCholesky<detail::NormalMatrix<N>>;
+  Factors normal(linear.normal());
   if (!normal.ok()) return jacobian;
+  bool curves = false;
+  if constexpr (N == detail::kAnyLimbs) {
+    if (machine.gap_count() > 0 && linear.residual.cwiseAbs().maxCoeff() > detail::kExact) {
+      const Factors curved(linear.normal() + detail::curvature(machine, plate, elbows, linear));
+      curves = curved.ok();
+      if (curves) normal = curved;
+    }
+  }
   Eigen::Matrix<double, detail::kUnknowns<N>, detail::kRods<N>, Eigen::ColMajor, detail::kUnknowns<N>,
                 detail::kMostRods<N>>
       residual_to_plate(+detail::kUnknowns<N>, linear.jacobian.rows());
   for (Eigen::Index rod = 0; rod < linear.jacobian.rows(); ++rod) {
     residual_to_plate.col(rod) = -normal.solve(linear.jacobian.row(rod).transpose());
   }
-  const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
+  const PlateRotation<double> turn = plate_rotation(plate.tilt);
+  const Eigen::Matrix3d& rotation = turn.matrix;
   const int limbs = detail::limbs_of<N>(machine);
   jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   int row = 0;
@@ -82,6 +118,18 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
     if (limb.has_one_rod()) {
       const detail::SourceRow rod = detail::single_rod_derivative(limb, joints(i), rotation, linear.direction[row]);
       jacobian.plate.middleCols(first, rod.size()) = residual_to_plate.col(row) * rod;
+      if constexpr (N == detail::kAnyLimbs) {
+        if (curves) {
+          auto gradient = turned_gradient(limb, joints(i), turn, linear.direction[row], linear.lever[row],
+                                          elbows[i].rod[0] + linear.residual(row));
+          for (int k = 0; k < 6; ++k) {
+            if (linear.held[static_cast<std::size_t>(k)]) gradient.row(k).setZero();
+          }
+          for (Eigen::Index k = 0; k < rod.size(); ++k) {
+            jacobian.plate.col(first + k) -= normal.solve(linear.residual(row) * gradient.col(k));
+          }
+        }
+      }
       ++row;
       continue;
     }

@@ -40,6 +40,19 @@ Factors<N> factorized(const LinearClosure<N>& linear) {
   }
 }
 
+/// The same with the curvature of rods that cannot all have their lengths, near the least squares that they allow.
+template <int N>
+Factors<N> curved(const Machine& machine, const PlateState& plate, const detail::Elbows<N>& elbows,
+                  const LinearClosure<N>& linear) {
+  if constexpr (N == detail::kAnyLimbs) {
+    if (linear.residual.cwiseAbs().maxCoeff() > detail::kExact) {
+      Factors<N> factors(linear.normal() + detail::curvature(machine, plate, elbows, linear));
+      if (factors.ok()) return factors;
+    }
+  }
+  return factorized<N>(linear);
+}
+
 /// Empty at a singular closure.
 template <int N>
 std::optional<Unknowns<N>> newton_step(const Factors<N>& factors, const LinearClosure<N>& linear) {
@@ -65,9 +78,28 @@ bool settles(const Factors<N>& factors, double tolerance, double lever, LinearCl
   return true;
 }
 
+/// A step, halved while the rods miss by more after it. Near the answer rounding alone makes them do so, and tiny steps
+/// are not judged.
+template <int N>
+void take(const Machine& machine, const detail::Elbows<N>& elbows, double length, Unknowns<N> step,
+          LinearClosure<N>& linear, PlateState& plate) {
+  constexpr int kMaxHalvings = 8;
+  constexpr double kTiny = 1e-3;  // mm
+  const double cost = linear.residual.squaredNorm();
+  for (int k = 0; k <= kMaxHalvings; ++k, step *= 0.5) {
+    PlateState trial = plate;
+    advance<N>(trial, step);
+    linear = linearize<N>(machine, trial, elbows);
+    if (k < kMaxHalvings && length > kTiny && linear.residual.squaredNorm() > cost) continue;
+    plate = trial;
+    return;
+  }
+}
+
 template <int N>
 ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardOptions& options) {
-  constexpr int kMaxHalvings = 8;
+  constexpr double kNear = 1.0;  // mm, of a step
+  constexpr int kFar = 4;        // iterations from a far start
   const double lever = 0.5 * machine.limbs[0].plate_width;
   ForwardResult result;
   const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
@@ -79,32 +111,20 @@ ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardO
     if (!options.start || !machine.tilts_plate) result.plate = detail::level_start<N>(machine, elbows, result.plate);
   }
   LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
-  double last_step = 0.0;
+  double last_step = HUGE_VAL;
   while (result.iterations < options.max_iterations) {
-    const Factors<N> factors = factorized<N>(linear);
+    const bool curves = last_step < kNear || result.iterations >= kFar;
+    const Factors<N> factors = curves ? curved<N>(machine, result.plate, elbows, linear) : factorized<N>(linear);
     const std::optional<Unknowns<N>> newton = newton_step<N>(factors, linear);
     if (!newton) {
       result.status = ForwardStatus::singular;
       break;
     }
-    Unknowns<N> step = *newton;
-    last_step = step_length<N>(step, lever);
-    const double cost = linear.residual.squaredNorm();
-    PlateState trial = result.plate;
-    advance<N>(trial, step);
-    linear = linearize<N>(machine, trial, elbows);
-    // Near the answer rounding alone makes the cost rise, so tiny steps are not judged.
-    for (int k = 0; k < kMaxHalvings && last_step > 1e-3 && linear.residual.squaredNorm() > cost; ++k) {
-      step *= 0.5;
-      trial = result.plate;
-      advance<N>(trial, step);
-      linear = linearize<N>(machine, trial, elbows);
-    }
-    result.plate = trial;
+    last_step = step_length<N>(*newton, lever);
+    take<N>(machine, elbows, last_step, *newton, linear, result.plate);
     ++result.iterations;
     bool settled = last_step < options.step_tolerance;
     if constexpr (N == 6) {
-      constexpr double kNear = 1.0;  // mm
       settled =
           settled || (last_step < kNear && settles<N>(factors, options.step_tolerance, lever, linear, result.plate));
     }

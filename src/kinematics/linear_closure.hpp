@@ -149,6 +149,45 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
   return linear;
 }
 
+/// mm: rods that miss by less have their lengths.
+inline constexpr double kExact = 1e-6;
+
+/// What the second derivatives of the rods add to J^T J where residuals remain, sum_j f_j d2f_j. With v_j along the
+/// rod, D = dv_j / d(position, tilt) and axes a_k of the tilts (k <= l, the outer first),
+///
+///   d2f_j = (D^T D - J_j^T J_j) / |v_j| + n_j . (a_k x (a_l x lever_j)).
+///
+/// Without it the steps shrink only by the residuals over the stiffness of the rods, which near a singularity is slow.
+inline NormalMatrix<kAnyLimbs> curvature(const Machine& machine, const PlateState& plate,
+                                         const Elbows<kAnyLimbs>& elbows, const LinearClosure<kAnyLimbs>& linear) {
+  NormalMatrix<kAnyLimbs> sum = NormalMatrix<kAnyLimbs>::Zero();
+  const Eigen::Matrix3d axes = plate_rotation(plate.tilt).axes;
+  int row = 0;
+  for (int i = 0; i < limbs_of<kAnyLimbs>(machine); ++i) {
+    for (std::size_t j = 0; j < rod_count(machine.limbs[static_cast<std::size_t>(i)]); ++j, ++row) {
+      const auto at = static_cast<std::size_t>(row);
+      const double f = linear.residual(row), length = elbows[static_cast<std::size_t>(i)].rod[j] + f;
+      Eigen::Matrix<double, 3, 6> motion = Eigen::Matrix<double, 3, 6>::Identity();
+      for (int k = 0; k < 3; ++k) motion.col(3 + k) = axes.col(k).cross(linear.lever[at]);
+      const Eigen::Matrix<double, 1, 6> along = linear.direction[at].transpose() * motion;
+      sum += (f / length) * (motion.transpose() * motion - along.transpose() * along);
+      for (int k = 0; k < 3; ++k) {
+        for (int l = k; l < 3; ++l) {
+          const double turning = f * linear.direction[at].dot(axes.col(k).cross(motion.col(3 + l)));
+          sum(3 + l, 3 + k) += turning;
+          if (l > k) sum(3 + k, 3 + l) += turning;
+        }
+      }
+    }
+  }
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    if (!linear.held[static_cast<std::size_t>(k)]) continue;
+    sum.row(k).setZero();
+    sum.col(k).setZero();
+  }
+  return sum;
+}
+
 /// Calls task.operator()<N>() for the number of limbs that are pairs of rods: 3 or 4.
 template <typename Task>
 auto with_pair_count(std::size_t limbs, Task&& task) {

@@ -55,7 +55,7 @@ std::string why_no_pose(const Machine& machine, const ForwardResult& result);
 ///
 /// over position, slide and tilt. 8 rods hold 7 unknowns (6 hold 6 for a rigid plate): equal elastic rods share the one
 /// over-constraint, which to first order is the pseudo-inverse of [huang2016, Eqs. (5), (6)]. Gauss-Newton with
-/// analytic Jacobian, steps halved while they do not descend.
+/// analytic Jacobian, steps halved while they do not descend; of more rods than unknowns Newton near the answer.
 ///
 /// @param joints  commanded joints, rad or mm, one per limb.
 /// Real-time: yes (no allocation, no exception, bounded loop).

@@ -19,13 +19,12 @@ inline ForwardOptions started(const Robot& robot, const Station& station) {
 
 /// Why no fit begins: the first station where the machine does not close with the joints believed there.
 inline Unreachable not_closed(const Robot& robot, const Machine& machine, const std::vector<Station>& stations) {
-  std::string at;
   for (const Station& station : stations) {
-    if (!at.empty() || forward(machine, believed_joints(robot, station), started(robot, station)).usable()) continue;
-    at = named(station) + ": ";
+    const ForwardResult found = forward(machine, believed_joints(robot, station), started(robot, station));
+    if (found.usable()) continue;
+    return Unreachable{named(station) + ": no solution with the commanded joints: " + why_no_pose(machine, found)};
   }
-  at += "no solution: the machine cannot reach this pose with its commanded joints";
-  return Unreachable{at};
+  return Unreachable{"no solution: the machine does not close with the commanded joints"};
 }
 
 }  // namespace paracal::detail

@@ -41,7 +41,7 @@ class Visits {
     for (Station& station : stations) {
       let_interrupt();
       const ForwardResult pose = forward(machine_, believed_joints(robot, station), detail::started(robot, station));
-      if (!pose.ok()) throw Unreachable(named(station) + ": no solution: the machine cannot reach this pose");
+      if (!pose.ok()) throw Unreachable(named(station) + ": no solution: " + why_no_pose(machine_, pose));
       plates_.push_back(pose.plate);
       if (machine_.spare_limbs() > 0) station.believed = read_joints(station);
     }
