@@ -51,6 +51,7 @@
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/kinematics/round_trip.hpp"
 #include "paracal/long_job.hpp"
 #include "paracal/mechanism/base_motion.hpp"
 #include "paracal/mechanism/catalogue.hpp"

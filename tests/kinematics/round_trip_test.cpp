@@ -1,11 +1,14 @@
 // The joints of a pose lead back to it, whatever the robot and wherever its frame begins.
 
+#include "paracal/kinematics/round_trip.hpp"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -15,6 +18,7 @@ namespace paracal::round_trip_test {
 namespace {
 
 using test::Random;
+using testing::AllOf, testing::HasSubstr, testing::ThrowsMessage;
 
 Robot robot_of(const std::string& text) { return io::read_robot({"robot.toml", text}); }
 
@@ -182,6 +186,14 @@ TEST(RoundTrip, OfSpareLimbsThatDisagreeIsTheLeastSquaresPose) {
     most = std::max(most, back.residual);
   }
   EXPECT_GT(most, 0.5);
+}
+
+TEST(RoundTrip, IsCheckedForEveryRobotAndNamesThePose) {
+  const Robot robot = test::robot_named("hexapod");
+  EXPECT_NO_THROW(check_round_trip(robot));
+  EXPECT_THAT([&] { check_round_trip(robot, {.tolerance = 1e-16}); },
+              ThrowsMessage<InvalidArgument>(AllOf(HasSubstr("workspace: expected that the joints of each pose lead"),
+                                                   HasSubstr("(0, 0, "), HasSubstr("they lead to"))));
 }
 
 }  // namespace

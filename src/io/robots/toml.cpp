@@ -12,6 +12,7 @@
 #include "io/tables/names.hpp"
 #include "limb_tables.hpp"
 #include "paracal/error.hpp"
+#include "paracal/kinematics/round_trip.hpp"
 #include "paracal/units.hpp"
 #include "robot_tables.hpp"
 
@@ -268,7 +269,16 @@ Robot robot_of(const std::string& file, const toml::table& document) {
   }
 }
 
-Robot read_robot(const TextFile& file) { return robot_of(file.name, parse_toml(file)); }
+Robot read_robot(const TextFile& file) {
+  const toml::table document = parse_toml(file);
+  Robot robot = robot_of(file.name, document);
+  try {
+    check_round_trip(robot);
+  } catch (const InvalidArgument& complaint) {
+    throw InputFileError(file.name, line_of_complaint(document, complaint.what()), complaint.what());
+  }
+  return robot;
+}
 
 std::string robot_toml(const Robot& robot) {
   std::string text;
