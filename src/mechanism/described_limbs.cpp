@@ -212,10 +212,9 @@ std::string in_words(const PlateFreedoms& freedoms) {
 std::string coupled_motions(const PlateFreedoms& freedoms) {
   if (freedoms.free[0] && freedoms.free[1]) return "";
   return fmt::format(
-      "expected x and y among plate.freedoms, got {}. Plates without them have coupled motions: those of a 3-RPS or an "
-      "Agile Eye move sideways or turn when they tilt, but paracal holds other coordinates constant. Such robots have "
-      "no "
-      "robot file; state a robot in an upright plane with x and y in this plane",
+      "expected x and y among plate.freedoms, got {}: paracal describes plates that move at least along x and y. State "
+      "a robot in an upright plane with x and y in this plane. There is no robot file for a plate that guides hold "
+      "along x or y, or that moves sideways when it tilts (3-RPS, Agile Eye)",
       in_words(freedoms));
 }
 

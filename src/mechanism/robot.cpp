@@ -68,8 +68,10 @@ void check_proportions(const RobotDescription& robot) {
 void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
   const std::size_t freedoms = has_slide ? 4 : 3;
   if (azimuth.size() != freedoms) {
-    throw InvalidArgument(fmt::format("geometry.limb_azimuth_deg: expected {} limbs for a {}, got {}", freedoms,
-                                      has_slide ? "plate with a slide" : "rigid plate", azimuth.size()));
+    throw InvalidArgument(fmt::format(
+        "geometry.limb_azimuth_deg: expected {} limbs for a {}, got {}: describe a robot with other limbs by "
+        "[plate] and [[limb]] tables instead of [geometry]",
+        freedoms, has_slide ? "plate with a slide" : "rigid plate", azimuth.size()));
   }
   for (std::size_t i = 0; i < azimuth.size(); ++i) {
     if (!std::isfinite(azimuth[i])) {

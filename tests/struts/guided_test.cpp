@@ -246,7 +246,8 @@ TEST(GuidedRobots, WhatMakesNoSenseIsRefused) {
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "phi"])", "got \"phi\"");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "x"])", "expected each name once");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "z"])", "expected x and y among plate.freedoms, got x, z");
-  expect_refused("five-bar", freedoms, R"(freedoms = ["z", "tilt_x", "tilt_y"])", "coupled motions");
+  expect_refused("five-bar", freedoms, R"(freedoms = ["z", "tilt_x", "tilt_y"])",
+                 "a plate that guides hold along x or y, or that moves sideways when it tilts");
   expect_refused("five-bar", freedoms, R"(freedoms = ["x", "y", "tilt_z"])",
                  "expected 3 to 8 limbs for a plate with degrees of freedom x, y, tilt_z, got 2");
   expect_refused("five-bar", freedoms, "slide_axis = [1.0, 0.0, 0.0]", "plate.freedoms");
