@@ -36,14 +36,20 @@ std::string place_text(const Pose& pose) {
 /// What would explain the joints, and what to do.
 std::string explained(const ControllerCheck& check) {
   if (check.explanations.empty()) {
-    return "No single dimension, zero, sign or origin explains the difference: compare every dimension in the "
-           "controller with the robot file";
+    return "No single dimension, zero, sign, order, gear ratio, frame or tool explains the difference: compare every "
+           "setting of the controller with the robot file";
   }
-  if (check.explanations.size() == 1) {
+  if (check.explanations.size() == 1 && check.is_named) {
     return fmt::format(
         "This explains the difference: {}. Correct the robot file, or calibrate with --controller FILE, a robot file "
         "with the dimensions of the controller",
         check.explanations.front());
+  }
+  if (check.explanations.size() == 1) {
+    return fmt::format(
+        "These joints cannot name the cause: {} would explain any of them. Add the joints at another "
+        "pose, such as {}",
+        check.explanations.front(), place_text(*check.deciding));
   }
   const std::string each =
       fmt::format("Each of these alone explains the difference: {}", fmt::join(check.explanations, "; "));
@@ -61,10 +67,25 @@ std::string disagreement(const Robot& robot, const ControllerCheck& check,
                      joint_text(row.joints(limb), robot.actuator()), explained(check));
 }
 
+/// "2 poses of j.csv"
+std::string source_text(const std::string& file, const ControllerCheck& check) {
+  return fmt::format("{} {} of {}", check.compared, check.compared == 1 ? "pose" : "poses",
+                     std::filesystem::path(file).filename().string());
+}
+
+/// What agreement at these poses does not show, and what would.
+std::string unconfirmed(const std::string& file, const ControllerCheck& check) {
+  return fmt::format(
+      "the joints at {} agree, but would also agree with another value of: {}. Add the joints at {} to "
+      "confirm it",
+      source_text(file, check), fmt::join(check.unseen, ", "), place_text(*check.deciding));
+}
+
 /// @throws InputFileError for joints that are not the robot's.
-void require_agreement(const Robot& robot, const std::string& file, const std::vector<DisplayedJoints>& displayed) {
-  const ControllerCheck check = check_controller(robot, displayed);
-  if (check.agrees()) return;
+ControllerCheck require_agreement(const Robot& robot, const std::string& file,
+                                  const std::vector<DisplayedJoints>& displayed) {
+  ControllerCheck check = check_controller(robot, displayed);
+  if (check.agrees()) return check;
   throw InputFileError(file, displayed[*check.differs].line, disagreement(robot, check, displayed));
 }
 
@@ -119,11 +140,13 @@ void settle(const std::vector<io::TextFile>& tables, const Robot& robot, Command
   for (const io::TextFile& table : tables) {
     const auto displayed = io::read_displayed_joints(table, robot.joint_space());
     if (displayed.empty()) continue;
-    require_agreement(read.controller.computes_with(robot), table.name, displayed);
+    const ControllerCheck check = require_agreement(read.controller.computes_with(robot), table.name, displayed);
     is_shown = true;
+    if (read.controller.evidence != ControllerEvidence::assumed) continue;
+    read.controller.source = check.unseen.empty() ? "" : unconfirmed(table.name, check);
+    if (check.unseen.empty()) read.controller.evidence = ControllerEvidence::readings;
   }
   if (!is_shown) return;
-  if (read.controller.evidence == ControllerEvidence::assumed) read.controller.evidence = ControllerEvidence::readings;
   for (Station& station : stations) station.believed.reset();
 }
 
@@ -169,12 +192,25 @@ ControllerModel checked_controller(const ControllerOptions& options, ControllerM
                                      "row with joints: add them to the poses",
                                      first_joint_column(robot)));
   }
-  require_agreement(known.computes_with(robot), file.name, displayed);
+  const ControllerCheck check = require_agreement(known.computes_with(robot), file.name, displayed);
   if (known.evidence != ControllerEvidence::assumed) return known;
+  if (!check.unseen.empty()) {
+    known.source = unconfirmed(file.name, check);
+    return known;
+  }
   known.evidence = ControllerEvidence::confirmed;
-  known.source = fmt::format("{} {} of {}", displayed.size(), displayed.size() == 1 ? "pose" : "poses",
-                             std::filesystem::path(file.name).filename().string());
+  known.source = source_text(file.name, check);
   return known;
+}
+
+io::CalibratedMachine checked_calibration(const io::TextFile& file, const ControllerOptions& options,
+                                          const Robot& robot, const io::TableStyle& style) {
+  try {
+    return io::read_calibration(file, robot);
+  } catch (const InputFileError&) {
+    (void)checked_controller(options, {}, robot, style);
+    throw;
+  }
 }
 
 CommandedReadings read_commanded(const MeasuringOptions& measuring, const ControllerOptions& options,
@@ -189,7 +225,7 @@ CommandedReadings read_commanded(const MeasuringOptions& measuring, const Contro
 
 std::string joints_request(const Robot& robot) {
   return fmt::format(
-      "# Read the joints that the controller displays at one of these poses, near the rim. Enter them in that row of "
+      "# Read the joints that the controller displays at two of these poses, near the rim. Enter them in these rows of "
       "the\n# measurements (columns {}, ...; blank in the other rows). They show which dimensions the controller "
       "uses.\n",
       first_joint_column(robot));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -72,6 +73,7 @@ TEST_P(ControllerJoints, AtHomeAndOnTheRimNameTheRod) {
   EXPECT_EQ(*check.differs, 0u);
   const double rod = robot.geometry().rod;
   EXPECT_THAT(check.explanations, ElementsAre(fmt::format("rod {:.2f} mm instead of {:g} mm", rod - 10.0, rod)));
+  EXPECT_TRUE(check.is_named);
   EXPECT_FALSE(check.deciding);
 }
 
@@ -113,7 +115,68 @@ TEST_F(OneController, WithAnotherOriginIsToldWhere) {
   EXPECT_THAT(explained([&](const Pose& pose) { return of(robot, {pose.position + Eigen::Vector3d(3, -2, 5)}); }),
               ElementsAre("origin at (3.00, -2.00, 5.00) mm in the robot file's frame"));
   EXPECT_THAT(explained([&](const Pose& pose) { return of(robot, {pose.position + Eigen::Vector3d(0, 0, 5)}); }),
-              ElementsAre("origin at z 5.00 mm in the robot file's frame"));
+              ElementsAre("origin at z 5.00 mm in the robot file's frame (or a tool in the controller with its tip at "
+                          "z -5.00 mm from the plate, which gives the same joints)"));
+}
+
+/// Joints of another order, a frame rotated about z, and joints of one limb that are off.
+TEST_F(OneController, WithOtherLimbsOrFrameIsToldWhich) {
+  const auto in_order = [&](const std::vector<int>& order) {
+    return explained([&, order](const Pose& pose) {
+      const Joints right = of(robot, pose);
+      Joints shown = right;
+      for (int k = 0; k < 3; ++k) shown(k) = right(order[static_cast<std::size_t>(k)]);
+      return shown;
+    });
+  };
+  EXPECT_THAT(in_order({0, 2, 1}), ElementsAre("limbs 2 and 3 swapped"));
+  EXPECT_THAT(in_order({1, 2, 0}), ElementsAre(HasSubstr("limbs in another order: q1 ... are those of limbs 2, 3, 1")));
+  for (const double turn : {30.0, -7.0, 90.0}) {
+    EXPECT_THAT(explained([&](Pose pose) {
+                  pose.position = Eigen::AngleAxisd(to_radians(turn), Eigen::Vector3d::UnitZ()) * pose.position;
+                  return of(robot, pose);
+                }),
+                ElementsAre(fmt::format("frame rotated by {:.3f} deg about z of the robot file's frame", turn)));
+  }
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return 1.05 * of(robot, pose); }),
+              ElementsAre("gear ratio: the controller shows 1.05 times the joints"));
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return to_radians(1.0) * of(robot, pose); }),
+              ElementsAre("joints in radians: multiply them by 57.29578"));
+  EXPECT_THAT(explained([&](const Pose& pose) -> Joints { return of(robot, pose) + 0.02 * Joints::Unit(3, 1); }),
+              ElementsAre(StartsWith("the zero of limb 2: the controller shows 1.146")));
+  SourceErrors longer;
+  longer(2, "rod_mean") = 4.0;
+  EXPECT_THAT(explained([&](const Pose& pose) { return inverse(build(robot, longer), pose).joints; }),
+              ElementsAre(StartsWith("rod of limb 3 ")));
+}
+
+/// An origin fits any three joints, so that one pose of three limbs never names one cause.
+TEST_F(OneController, IsNotNamedByAsManyUnknownsAsJoints) {
+  DisplayedJoints one = displayed(robot, towards(robot, 0.4), 3);
+  one.joints = of(robot, {one.pose.position + Eigen::Vector3d(3, -2, 5)});
+  const ControllerCheck check = check_controller(robot, {one});
+  EXPECT_THAT(check.explanations, ElementsAre(StartsWith("origin at (3.")));
+  EXPECT_FALSE(check.is_named);
+  ASSERT_TRUE(check.deciding);
+  DisplayedJoints other = displayed(robot, *check.deciding, 3);
+  other.joints = of(robot, {other.pose.position + Eigen::Vector3d(3, -2, 5)});
+  EXPECT_TRUE(check_controller(robot, {one, other}).is_named);
+}
+
+/// Joints that agree confirm only what they would show: at home no rotation about z and no order of the limbs.
+TEST_F(OneController, IsConfirmedOnlyWhereTheSuspectsDiffer) {
+  const ControllerCheck at_home = check_controller(robot, {displayed(robot, home(robot), 3)});
+  EXPECT_TRUE(at_home.agrees());
+  EXPECT_THAT(at_home.unseen, AllOf(Contains("the direction of x and y"), Contains("the order of limbs 2 and 3"),
+                                    Contains("the order of the limbs")));
+  ASSERT_TRUE(at_home.deciding);
+  const ControllerCheck decided =
+      check_controller(robot, {displayed(robot, home(robot), 3), displayed(robot, *at_home.deciding, 3)});
+  EXPECT_TRUE(decided.agrees());
+  EXPECT_THAT(decided.unseen, IsEmpty());
+  // Along x limbs 2 and 3 are alike, and limb 1 moves in its plane.
+  EXPECT_THAT(check_controller(robot, {displayed(robot, towards(robot, 0.0), 3)}).unseen,
+              testing::UnorderedElementsAre("the order of limbs 2 and 3", "limb azimuth of limb 1"));
 }
 
 TEST_F(OneController, WithOtherJointsIsToldWhich) {
@@ -180,6 +243,9 @@ TEST_F(OneController, IsAssumedUntilItIsKnown) {
                                 HasSubstr("--controller-joints"))));
   EXPECT_THAT(controller_assumptions({.evidence = ControllerEvidence::confirmed, .source = "2 poses of j.csv"}, robot),
               ElementsAre(StartsWith("confirmed by 2 poses of j.csv: the controller computes joints with rod ")));
+  EXPECT_THAT(
+      controller_assumptions({.source = "one pose agrees"}, robot),
+      ElementsAre(AllOf(StartsWith("the controller computes joints with rod "), HasSubstr("; one pose agrees"))));
   for (const ControllerEvidence known : {ControllerEvidence::readings, ControllerEvidence::stated}) {
     EXPECT_THAT(controller_assumptions({.evidence = known}, robot), IsEmpty());
     EXPECT_EQ(controller_evidence(name(known)), known);

@@ -106,7 +106,8 @@ class WrongRod : public testing::Test {
   const TemporaryFolder folder;
 };
 
-const std::string kHome = "pose,x_mm,y_mm,z_mm\nhome,0,0,-695\n", kRim = "rim,300,0,-695\n";
+const std::string kHome = "pose,x_mm,y_mm,z_mm\nhome,0,0,-695\n", kRim = "rim,300,0,-695\n",
+                  kAside = "aside,210,130,-720\n";
 const std::string kCompensate = "compensate --calibration calibration.json --poses poses.csv" + kOfFile;
 const std::string kExport = "export --calibration calibration.json" + kOfFile + " --target ";
 
@@ -164,7 +165,7 @@ TEST_F(WrongRod, IsNotDecidedByJointsAtHome) {
 }
 
 TEST_F(WrongRod, IsConfirmedByJointsThatAgree) {
-  display("file.toml", kHome + kRim, "displayed.csv");
+  display("file.toml", kHome + kAside, "displayed.csv");
   const std::string confirmed = "confirmed by 2 poses of displayed.csv: " + kAssumed;
   EXPECT_THAT(json_from(kCompensate + " --controller-joints displayed.csv").at("assumed"),
               testing::ElementsAre(confirmed));
@@ -174,17 +175,45 @@ TEST_F(WrongRod, IsConfirmedByJointsThatAgree) {
               HasSubstr("\n# assumed: " + confirmed));
 }
 
+/// Both poses are symmetric in limbs 2 and 3.
+TEST_F(WrongRod, IsNotConfirmedWhereSwappedLimbsAgree) {
+  display("file.toml", kHome + kRim, "displayed.csv");
+  const json compensated = json_from(kCompensate + " --controller-joints displayed.csv");
+  EXPECT_THAT(compensated.at("assumed"),
+              testing::ElementsAre(AllOf(StartsWith(kAssumed),
+                                         HasSubstr("the joints at 2 poses of displayed.csv agree, but would also agree "
+                                                   "with another value of: the order of limbs 2 and 3, "),
+                                         HasSubstr(". Add the joints at ("))));
+  EXPECT_EQ(folder.run(kCalibrate + " --controller-joints displayed.csv --out known.json").exit_code, kDone);
+  EXPECT_EQ(json::parse(folder.read("known.json")).at("controller").at("joints"), "assumed");
+}
+
+/// A calibration that was not accepted may be so because of its controller.
+TEST_F(WrongRod, IsNamedBesideARejectedCalibration) {
+  json rejected = json::parse(folder.read("calibration.json"));
+  rejected["accepted"] = false;
+  rejected["verdict"] = "rejected";
+  folder.write("calibration.json", rejected.dump());
+  display("machine.toml", kHome + kRim, "displayed.csv");
+  for (const std::string& command : {kCompensate, kExport + "c99"}) {
+    EXPECT_THAT(folder.run(command + " --controller-joints displayed.csv").err, HasSubstr("rod 720.00 mm instead"));
+    EXPECT_THAT(folder.run(command).err, HasSubstr("expected an accepted calibration"));
+  }
+}
+
 TEST_F(WrongRod, NeedsATableThatStatesJoints) {
   const ProgramResult refused = folder.run(kCompensate + " --controller-joints poses.csv");
   EXPECT_EQ(refused.exit_code, kBadInputFile);
   EXPECT_THAT(refused.err, HasSubstr("poses.csv: expected columns q1_deg"));
 }
 
-/// One row of the readings is enough, and its visits need not all state it.
+/// One row of the readings, off the axis, is enough to confirm them, and its visits need not all state it.
 TEST_F(WrongRod, IsFoundInARowOfTheReadings) {
   for (const auto& [robot, agrees] : {std::pair("file.toml", true), {"machine.toml", false}}) {
     std::string text = folder.read("measured.csv");
-    const std::size_t header = text.find("pose,"), first = text.find('\n', header) + 1;
+    const std::size_t header = text.find("pose,"), first = text.rfind('\n', text.size() - 2) + 1;
+    const std::string before = text.substr(header, first - header);
+    const auto line = 1 + std::ranges::count(before, '\n');
     const std::string row = text.substr(first, text.find('\n', first) - first);
     const std::size_t name = row.find(',') + 1;
     const std::size_t end = row.find(',', row.find(',', row.find(',', name) + 1) + 1);
@@ -205,8 +234,8 @@ TEST_F(WrongRod, IsFoundInARowOfTheReadings) {
     const ProgramResult result = folder.run("calibrate --measurements stated.csv --json" + kOfFile);
     if (!agrees) {
       EXPECT_EQ(result.exit_code, kBadInputFile);
-      EXPECT_THAT(result.err,
-                  AllOf(HasSubstr("stated.csv:2: expected q"), HasSubstr("rod 720.00 mm instead of 730 mm")));
+      EXPECT_THAT(result.err, AllOf(HasSubstr(fmt::format("stated.csv:{}: expected q", line)),
+                                    HasSubstr("rod 720.00 mm instead of 730 mm")));
       continue;
     }
     const json calibration = json_of(result);

@@ -47,7 +47,7 @@ io::CalibratedMachine known_machine(const CompensateArguments& options, const Ro
       controller = io::read_calibration(io::read_stored(options.errors), robot).controller;
     return {.errors = read_errors(robot, options.errors), .controller = std::move(controller)};
   }
-  return io::read_calibration(io::read_stored(options.calibration), robot);
+  return checked_calibration(io::read_stored(options.calibration), options.controller, robot, options.style);
 }
 
 [[noreturn]] void refuse(const Station& station, std::string_view why) {

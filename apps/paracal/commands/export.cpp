@@ -128,7 +128,7 @@ void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
   const io::TextFile file = io::read_stored(options.calibration);
-  const io::CalibratedMachine machine = io::read_calibration(file, robot);
+  const io::CalibratedMachine machine = checked_calibration(file, options.controller, robot);
   const SourceErrors& errors = machine.errors;
   if (options.variant != "exact" && (options.target == "genhexkins" || !kTexts.contains(options.target))) {
     throw WrongUsage(fmt::format("--variant: expected with --target c99, linuxcnc or st, got {}", options.target));

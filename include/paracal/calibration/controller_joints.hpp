@@ -26,14 +26,17 @@ struct ControllerCheck {
   std::size_t limb = 0;                        ///< of its joint that disagrees most
   double expected = 0.0;                       ///< that joint of the robot, rad or mm
   std::vector<std::string> explanations = {};  ///< each by itself: "rod 720.00 mm instead of 730 mm"
-  std::optional<Pose> deciding = {};           ///< a pose whose joints tell the explanations apart
+  bool is_named = false;                       ///< the only explanation has fewer unknowns than there are joints
+  std::vector<std::string> unseen = {};        ///< of joints that agree: what may differ all the same, "the gear ratio"
+  std::optional<Pose> deciding = {};  ///< a pose whose joints tell the explanations apart, or show what is unseen
 
   bool agrees() const { return !differs; }
 };
 
 /// Compares displayed joints with the nominal inverse kinematics. They agree within the rounding of the numbers and
-/// what a controller's arithmetic leaves. Otherwise each single dimension, a common zero of the joints, their sign and
-/// the controller's origin are tried as explanations, and kept where they leave no more than rounding.
+/// what a controller's arithmetic leaves. Otherwise each single dimension, zeros, sign, unit, order and gear ratio of
+/// the joints, and the controller's frame and tool are tried as explanations, and kept where they leave no more than
+/// rounding. An explanation with as many unknowns as there are joints fits any joints: it is not named.
 /// @throws InvalidArgument for no pose or another number of joints than limbs, Unreachable for a pose that the robot
 /// does not reach.
 ControllerCheck check_controller(const Robot& robot, const std::vector<DisplayedJoints>& displayed);

@@ -27,7 +27,8 @@ std::optional<ControllerEvidence> controller_evidence(std::string_view name);
 /// What turned commanded poses into joints, as far as it is known.
 struct ControllerModel {
   ControllerEvidence evidence = ControllerEvidence::assumed;
-  std::string source = {};          ///< what confirmed or stated it: "2 poses of joints.csv"
+  /// What confirmed or stated it: "2 poses of joints.csv". Of an assumption: what would confirm it; empty: any joints.
+  std::string source = {};
   std::optional<Robot> robot = {};  ///< whose dimensions it computes with, where they are not those of the drawing
 
   /// The robot that it computes with.

@@ -4,256 +4,51 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <string_view>
 #include <utility>
 
-#include "dimensions.hpp"
-#include "numerics/dense.hpp"
+#include "controller_comparison.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/error.hpp"
-#include "paracal/kinematics/inverse.hpp"
-#include "paracal/units.hpp"
 
 namespace paracal {
 namespace {
 
-using detail::Dimension;
+using detail::Comparison, detail::ControllerSuspect, detail::explain, detail::Explained, detail::nominal_joints,
+    detail::shown_by, detail::slopes;
 
-/// mm at the elbow that the single-precision arithmetic of a controller may lose: 2^-24 of a metre, squared and
-/// subtracted a few times.
-constexpr double kArithmetic = 1e-4;
-/// A fitted dimension spreads the rounding of one joint over others: no joint is off by more than its own and as much.
-constexpr double kFitted = 2.0;
 /// Joints that differ by so many roundings are told apart in a display.
 constexpr double kTold = 5.0;
-/// No dimension of a robot file that was meant for the machine is off by more of itself, or of the base's radius.
-constexpr double kFarthest = 0.3;
 
-/// Joints of a controller at a pose, mm or rad; NaN where it does not reach it.
-using PoseJoints = std::function<Joints(const Pose&)>;
-
-/// A controller that differs from the robot in one thing.
-struct Suspected {
-  int unknowns = 1;
-  bool is_origin = false;
-  std::function<PoseJoints(const Eigen::VectorXd& values)> controller;
-  std::function<bool(const Eigen::VectorXd& values)> is_believable;
-  /// @param resolution  of the values, by the rounding of the joints.
-  std::function<std::string(const Eigen::VectorXd& values, double resolution)> text;
-};
-
-/// What a fit to the displayed joints leaves of it.
-struct Explained {
-  const Suspected* suspected = nullptr;
-  PoseJoints joints;
-  std::string text;
-};
-
-Joints nowhere(const Robot& robot) {
-  return Joints::Constant(static_cast<Eigen::Index>(robot.limb_count()), std::nan(""));
+/// To whole mm, as somebody enters them; where guides hold z it stays.
+Eigen::Vector3d rounded(const Workspace& workspace, const Eigen::Vector3d& place) {
+  constexpr double kSmall = 50.0;  // mm: a smaller workspace is not to lose its shape
+  if (workspace.radius < kSmall) return place;
+  Eigen::Vector3d whole = place.array().round();
+  if (workspace.is_flat()) whole.z() = place.z();
+  return whole;
 }
 
-Joints nominal_joints(const Robot& robot, const Pose& pose) {
-  const InverseResult found = inverse(robot.nominal(), pose);
-  return found.ok() ? found.joints : nowhere(robot);
-}
-
-/// "720.00": as many decimals as the joints show, two of mm and three of deg at most.
-std::string shown(double value, double resolution, int most) {
-  const int decimals = resolution > 0.0 ? static_cast<int>(std::ceil(-std::log10(resolution))) : most;
-  return fmt::format("{:.{}f}", value, std::clamp(decimals, 0, most));
-}
-
-std::string shown_length(double value, double resolution) { return shown(value, resolution, 2) + " mm"; }
-std::string shown_angle(double value, double resolution) {
-  return shown(to_degrees(value), to_degrees(resolution), 3) + " deg";
-}
-
-/// "limb azimuth of limb 2", of "limb_azimuth_deg of limb 2".
-std::string in_words(std::string key) {
-  for (const std::string_view unit : {"_mm", "_deg"}) {
-    if (const std::size_t at = key.find(unit); at != std::string::npos) key.erase(at, unit.size());
-  }
-  std::ranges::replace(key, '_', ' ');
-  return key;
-}
-
-Suspected wrong_dimension(const Robot& robot, const Dimension& dimension) {
-  const double nominal = now(robot, dimension);
-  const auto value = [nominal](const Eigen::VectorXd& values) { return nominal + values(0); };
-  return {
-      .controller = [&robot, dimension, value](const Eigen::VectorXd& values) -> PoseJoints {
-        try {
-          return [other = detail::with(robot, dimension, value(values))](const Pose& pose) {
-            return nominal_joints(other, pose);
-          };
-        } catch (const InvalidArgument&) {
-          return [&robot](const Pose&) { return nowhere(robot); };  // there is no such robot
-        }
-      },
-      .is_believable = [most = kFarthest *
-                               (dimension.angle ? std::numbers::pi : std::max(nominal, robot.geometry().base_radius))](
-                           const Eigen::VectorXd& values) { return std::abs(values(0)) <= most; },
-      .text =
-          [dimension, nominal, value](const Eigen::VectorXd& values, double resolution) {
-            const bool angle = dimension.angle;
-            return fmt::format("{} {} instead of {:g} {}", in_words(dimension.key),
-                               angle ? shown_angle(value(values), resolution) : shown_length(value(values), resolution),
-                               angle ? to_degrees(nominal) : nominal, angle ? "deg" : "mm");
-          }};
-}
-
-bool always(const Eigen::VectorXd&) { return true; }
-
-Suspected other_zero(const Robot& robot) {
-  const bool angle = joint_unit(robot.actuator()) == Unit::rad;
-  return {.controller = [&robot](const Eigen::VectorXd& values) -> PoseJoints {
-            return [&robot, more = values(0)](const Pose& pose) -> Joints {
-              return nominal_joints(robot, pose).array() + more;
-            };
-          },
-          .is_believable = always,
-          .text =
-              [angle](const Eigen::VectorXd& values, double resolution) {
-                return fmt::format("the zero of all joints: the controller shows {} more",
-                                   angle ? shown_angle(values(0), resolution) : shown_length(values(0), resolution));
-              }};
-}
-
-Suspected other_sign(const Robot& robot) {
-  return {.unknowns = 0,
-          .controller = [&robot](const Eigen::VectorXd&) -> PoseJoints {
-            return [&robot](const Pose& pose) -> Joints { return -nominal_joints(robot, pose); };
-          },
-          .is_believable = always,
-          .text = [](const Eigen::VectorXd&,
-                     double) { return std::string("joints with the opposite sign: multiply them by -1"); }};
-}
-
-/// The controller's coordinates begin elsewhere, along z or anywhere.
-Suspected other_origin(const Robot& robot, int unknowns) {
-  const auto origin = [unknowns](const Eigen::VectorXd& values) -> Eigen::Vector3d {
-    return unknowns == 1 ? Eigen::Vector3d(0.0, 0.0, values(0)) : Eigen::Vector3d(values);
-  };
-  return {.unknowns = unknowns,
-          .is_origin = true,
-          .controller = [&robot, origin](const Eigen::VectorXd& values) -> PoseJoints {
-            return [&robot, at = origin(values)](Pose pose) {
-              pose.position += at;
-              return nominal_joints(robot, pose);
-            };
-          },
-          .is_believable = always,
-          .text =
-              [unknowns, origin](const Eigen::VectorXd& values, double resolution) {
-                const Eigen::Vector3d at = origin(values);
-                if (unknowns == 1)
-                  return fmt::format("origin at z {} in the robot file's frame", shown_length(at.z(), resolution));
-                return fmt::format("origin at ({}, {}, {}) mm in the robot file's frame", shown(at.x(), resolution, 2),
-                                   shown(at.y(), resolution, 2), shown(at.z(), resolution, 2));
-              }};
-}
-
-/// Displayed minus expected, over the rounding; NaN where some pose is not reached.
-class Comparison {
- public:
-  Comparison(const Robot& robot, const std::vector<DisplayedJoints>& displayed) : displayed_(displayed) {
-    for (const DisplayedJoints& one : displayed) {
-      Joints tolerance = one.rounding;
-      for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-        tolerance(static_cast<Eigen::Index>(limb)) += kArithmetic / joint_ratio(robot.nominal().limbs[limb]);
-      }
-      tolerances_.push_back(tolerance);
-    }
-  }
-
-  Eigen::VectorXd residuals(const PoseJoints& expected) const {
-    const Eigen::Index limbs = tolerances_.front().size();
-    Eigen::VectorXd all(limbs * static_cast<Eigen::Index>(displayed_.size()));
-    for (std::size_t k = 0; k < displayed_.size(); ++k) {
-      all.segment(limbs * static_cast<Eigen::Index>(k), limbs) =
-          (displayed_[k].joints - expected(displayed_[k].pose)).cwiseQuotient(tolerances_[k]);
-    }
-    return all;
-  }
-  Eigen::VectorXd residuals(const Suspected& suspected, const Eigen::VectorXd& values) const {
-    return residuals(suspected.controller(values));
-  }
-
-  /// The coarsest of each joint.
-  Joints tolerance() const {
-    Joints coarsest = tolerances_.front();
-    for (const Joints& one : tolerances_) coarsest = coarsest.cwiseMax(one);
-    return coarsest;
-  }
-
- private:
-  const std::vector<DisplayedJoints>& displayed_;
-  std::vector<Joints> tolerances_;
-};
-
-/// d residuals / d values, by central differences.
-Eigen::MatrixXd slopes(const Comparison& comparison, const Suspected& suspected, const Eigen::VectorXd& values) {
-  constexpr double kStep = 1e-4;  // mm or rad
-  Eigen::MatrixXd columns(comparison.residuals(suspected, values).size(), values.size());
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(values.size());
-    step(k) = kStep;
-    columns.col(k) = (comparison.residuals(suspected, values + step) - comparison.residuals(suspected, values - step)) /
-                     (2.0 * kStep);
-  }
-  return columns;
-}
-
-/// The values that fit best, by Gauss and Newton; a step that leaves the reach of the controller is halved.
-/// @returns empty where the joints do not show them or no values explain the joints.
-std::optional<Explained> explain(const Comparison& comparison, const Suspected& suspected) {
-  constexpr int kSteps = 30, kHalvings = 20;
-  constexpr double kSettled = 1e-3;  // of a rounding
-  constexpr double kUnseen = 1e-3;   // roundings per mm or rad: as good as none
-  Eigen::VectorXd values = Eigen::VectorXd::Zero(suspected.unknowns);
-  Eigen::VectorXd left = comparison.residuals(suspected, values);
-  double resolution = 0.0;
-  for (int step = 0; suspected.unknowns > 0 && step < kSteps; ++step) {
-    const Eigen::MatrixXd slope = slopes(comparison, suspected, values);
-    if (!slope.allFinite()) return std::nullopt;
-    const double seen = std::sqrt(std::max(0.0, detail::symmetric_eigenvalues(slope.transpose() * slope).minCoeff()));
-    if (seen < kUnseen) return std::nullopt;
-    resolution = 1.0 / seen;
-    Eigen::VectorXd change = -detail::least_squares(slope, left);
-    const double moves = (slope * change).cwiseAbs().maxCoeff();
-    for (int half = 0; half < kHalvings; ++half, change *= 0.5) {
-      if (comparison.residuals(suspected, values + change).allFinite()) break;
-    }
-    values += change;
-    left = comparison.residuals(suspected, values);
-    if (moves < kSettled) break;
-  }
-  const bool fits = left.allFinite() && left.cwiseAbs().maxCoeff() <= kFitted;
-  if (!fits || !suspected.is_believable(values)) return std::nullopt;
-  return Explained{&suspected, suspected.controller(values), suspected.text(values, resolution)};
-}
-
-std::vector<Suspected> usual_suspects(const Robot& robot) {
-  std::vector<Suspected> all{other_sign(robot)};
-  for (const Dimension& dimension : detail::dimensions(robot)) all.push_back(wrong_dimension(robot, dimension));
-  if (robot.slide()) all.push_back(wrong_dimension(robot, detail::pinion_radius()));
-  all.push_back(other_zero(robot));
-  all.push_back(other_origin(robot, 1));
-  all.push_back(other_origin(robot, 3));
-  return all;
-}
-
-/// Poses at which controllers that differ show it: comparison_poses() first, then both rims.
+/// Poses at which controllers that differ show it: first those that no symmetry of the limbs repeats, at the wall and
+/// half way to it, then others.
 std::vector<Pose> telling_poses(const Robot& robot) {
   constexpr int kAround = 8;
+  constexpr double kAside = 0.3;  // rad
   std::vector<Pose> poses;
-  for (const ComparisonPose& one : comparison_poses(robot)) poses.push_back(one.pose);
-  for (const Pose& one : robot.workspace().rim(kAround)) {
-    if (nominal_joints(robot, one).allFinite()) poses.push_back(one);
+  const Workspace& workspace = robot.workspace();
+  const auto rotation = 0.5 * (workspace.min_rotation + workspace.max_rotation);
+  const auto add = [&](const Pose& pose) {
+    if (nominal_joints(robot, pose).allFinite()) poses.push_back(pose);
+  };
+  for (const double share : {1.0, 0.5}) {
+    for (int k = 0; k < kAround; ++k) {
+      const double azimuth = kAside + 2.0 * std::numbers::pi * k / kAround;
+      for (const double depth : {0.2, 0.8}) add({rounded(workspace, workspace.at(share, azimuth, depth)), rotation});
+    }
   }
+  for (const Pose& one : workspace.rim(kAround)) add(one);
+  for (const ComparisonPose& one : comparison_poses(robot)) poses.push_back(one.pose);
   return poses;
 }
 
@@ -276,6 +71,7 @@ std::vector<Explained> merged(const std::vector<Explained>& all, const std::vect
       groups.push_back(one);
     } else {
       same->text += fmt::format(" (or {}, which gives the same joints)", one.text);
+      same->unknowns = std::min(same->unknowns, one.unknowns);
     }
   }
   return groups;
@@ -302,15 +98,28 @@ std::optional<Pose> deciding_pose(const std::vector<Explained>& groups, const st
   return best;
 }
 
+/// Of poses the one farthest from all that were compared.
+Pose another_pose(const std::vector<Pose>& poses, const std::vector<DisplayedJoints>& displayed) {
+  const auto distance = [&](const Pose& pose) {
+    double nearest = HUGE_VAL;
+    for (const DisplayedJoints& one : displayed)
+      nearest = std::min(nearest, (pose.position - one.pose.position).norm());
+    return nearest;
+  };
+  return *std::ranges::max_element(poses, {}, distance);
+}
+
 /// @param besides  what stands before each explanation.
 void add_explanations(const Robot& robot, const std::vector<DisplayedJoints>& displayed, std::string_view besides,
                       ControllerCheck& check) {
   const Comparison comparison(robot, displayed);
-  const std::vector<Suspected> suspects = usual_suspects(robot);
+  const std::vector<ControllerSuspect> suspects = detail::controller_suspects(robot);
   std::vector<Explained> explained;
-  for (const Suspected& one : suspects) {
-    const bool is_found = std::ranges::any_of(explained, [](const Explained& e) { return e.suspected->is_origin; });
-    if (one.is_origin && is_found) continue;  // along z is a case of anywhere
+  for (const ControllerSuspect& one : suspects) {
+    const auto is_case_of = [&](const Explained& e) {  // along z is a case of anywhere
+      return e.suspected->is_origin && e.suspected->unknowns < one.unknowns;
+    };
+    if (one.is_origin && std::ranges::any_of(explained, is_case_of)) continue;
     if (auto found = explain(comparison, one)) explained.push_back(std::move(*found));
   }
   const std::vector<Pose> poses = telling_poses(robot);
@@ -318,6 +127,49 @@ void add_explanations(const Robot& robot, const std::vector<DisplayedJoints>& di
   const std::vector<Explained> groups = merged(explained, poses, tolerance);
   for (const Explained& one : groups) check.explanations.push_back(fmt::format("{}{}", besides, one.text));
   check.deciding = deciding_pose(groups, poses, tolerance);
+  if (groups.size() != 1) return;
+  const std::size_t readings = displayed.size() * robot.limb_count();
+  check.is_named = readings > static_cast<std::size_t>(groups.front().unknowns);
+  if (!check.is_named) check.deciding = another_pose(poses, displayed);
+}
+
+/// How clearly the joints at each pose show that a controller differs by a noticeable value, in roundings; HUGE_VAL
+/// where it or the robot does not reach the pose.
+std::vector<double> clearness(const Robot& robot, const std::vector<DisplayedJoints>& at,
+                              const ControllerSuspect& suspected) {
+  const Comparison comparison(robot, at);
+  const auto limbs = static_cast<Eigen::Index>(robot.limb_count());
+  Eigen::MatrixXd changes;
+  if (suspected.unknowns > 0) {
+    changes = suspected.noticeable * slopes(comparison, suspected, Eigen::VectorXd::Zero(suspected.unknowns));
+  } else {
+    const auto right = [&](const Pose& pose) { return nominal_joints(robot, pose); };
+    changes = comparison.residuals(suspected, {}) - comparison.residuals(right);
+  }
+  std::vector<double> clear;
+  for (Eigen::Index row = 0; row < changes.rows(); row += limbs) {
+    const Eigen::MatrixXd change = changes.middleRows(row, limbs);
+    clear.push_back(change.allFinite() ? shown_by(change) : HUGE_VAL);
+  }
+  return clear;
+}
+
+/// What joints that agree would not show, although joints at another pose would; and the pose that shows most of it.
+void add_unseen(const Robot& robot, const std::vector<DisplayedJoints>& displayed, ControllerCheck& check) {
+  const std::vector<Pose> poses = telling_poses(robot);
+  std::vector<DisplayedJoints> others(poses.size(), displayed.front());
+  for (std::size_t k = 0; k < poses.size(); ++k) others[k].pose = poses[k];
+  const auto is_clear = [](double roundings) { return roundings >= kTold && roundings < HUGE_VAL; };
+  std::vector<int> shows(poses.size(), 0);
+  for (const ControllerSuspect& one : detail::controller_suspects(robot)) {
+    if (std::ranges::any_of(clearness(robot, displayed, one), is_clear)) continue;
+    const std::vector<double> clear = clearness(robot, others, one);
+    if (std::ranges::none_of(clear, is_clear)) continue;
+    for (std::size_t k = 0; k < clear.size(); ++k) shows[k] += is_clear(clear[k]) ? 1 : 0;
+    if (std::ranges::find(check.unseen, one.name) == check.unseen.end()) check.unseen.push_back(one.name);
+  }
+  if (check.unseen.empty()) return;
+  check.deciding = poses[static_cast<std::size_t>(std::ranges::max_element(shows) - shows.begin())];
 }
 
 /// Poses from all of a table, one that is to be among them first: as many as tell what can be told.
@@ -366,7 +218,10 @@ ControllerCheck check_controller(const Robot& robot, const std::vector<Displayed
     check.limb = static_cast<std::size_t>(worst);
     check.expected = expected(displayed[k])(worst);
   }
-  if (check.agrees()) return check;
+  if (check.agrees()) {
+    add_unseen(robot, enough(displayed, 0), check);
+    return check;
+  }
   const std::vector<DisplayedJoints> some = enough(displayed, *check.differs);
   add_explanations(robot, some, "", check);
   if (check.explanations.empty()) {

@@ -52,7 +52,7 @@ std::vector<std::string> controller_assumptions(const ControllerModel& controlle
       fmt::format("the controller computes joints with {}", dimensions_in_words(controller.computes_with(drawing)));
   switch (controller.evidence) {
     case ControllerEvidence::assumed:
-      return {computes + "; check with --controller-joints"};
+      return {computes + "; " + (controller.source.empty() ? "check with --controller-joints" : controller.source)};
     case ControllerEvidence::confirmed:
       return {fmt::format("confirmed by {}: {}", controller.source, computes)};
     case ControllerEvidence::stated:
