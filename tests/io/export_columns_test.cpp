@@ -102,16 +102,30 @@ TEST(ExportColumns, MeasuredColumnsAreRecognised) {
   refused("Name,X [cm],Y [cm],Z [cm]\nP1,1,2,3\n", "expected a header row that names x, y and z");
 }
 
-/// Three angles are an orientation in an order that nobody states.
-TEST(ExportColumns, AnglesAreRefusedUnlessTheyAreToBeIgnored) {
-  const std::string points = "P1,1031.5,-20.25,-88.125,1,2,3\nP2,931.75,-20.5,-88,1,2,3\n";
-  for (const char* angles : {"rx_deg,ry_deg,rz_deg", "Rx [deg],Ry [deg],Rz [deg]", "Roll,Pitch,Yaw",
-                             "Rot X (rad),Rot Y (rad),Rot Z (rad)"}) {
-    refused(fmt::format("Name,X [mm],Y [mm],Z [mm],{}\n{}", angles, points),
-            "e.txt:1: expected orientations as quaternions qw, qx, qy, qz, got angles");
+/// An angle, a second point or an offset is not passed over unasked.
+TEST(ExportColumns, OthersThatCouldChangeTheResultAreRefused) {
+  const std::string points = "P1,1031.5,-20.25,-88.125,1,2,3\nP2,931.75,-20.5,-88,1,2,3\n",
+                    head = "name,x_mm,y_mm,z_mm,";
+  for (const char* others :
+       {"rx_deg,ry_deg,rz_deg", "Rx [deg],Ry [deg],Rz [deg]", "Roll,Pitch,Yaw", "x2_mm,y2_mm,z2_mm", "A,B,C",
+        "Offset,Radius,Probe", "phi_deg,u,v", "sigma_x,sigma_y,sigma_z"}) {
+    const std::string first = std::string(others).substr(0, std::string(others).find(','));
+    refused(head + others + "\n" + points, "e.txt:1: expected no column beside name, x, y, z and sigma");
+    refused(head + others + "\n" + points, "\"" + first + "\"");
+    TableStyle style;
+    for (std::size_t k = 0, end = 0; end != std::string::npos; k = end + 1) {
+      end = std::string(others).find(',', k);
+      style.ignored_columns.push_back(std::string(others).substr(k, end - k));
+    }
+    reads(head + others + "\n" + points, {.style = style});
+    style.ignored_columns.pop_back();
+    refused(head + others + "\n" + points, "--ignore-columns", {.style = style});
   }
-  reads("Name,X [mm],Y [mm],Z [mm],Rx,Ry,Rz\n" + points, {.style = {.ignored_columns = {"Rx", "Ry", "Rz"}}});
-  reads("Name,X [mm],Y [mm],Z [mm],Rx,Ry,RMS\n" + points);
+  for (const char* others : {"Date,Comment,Deviation", "Nominal X,Nominal Y,Nominal Z", "dX,dY,dZ", "No,RMS,Time",
+                             "Dev 3D,Tol,Temperature"}) {
+    EXPECT_THAT(exported(head + others + "\n" + points).notes, ElementsAre(HasSubstr("; ignored: ")));
+  }
+  reads(head + "Operator\nP1,1031.5,-20.25,-88.125,N. N.\nP2,931.75,-20.5,-88,\n");  // words change nothing
 }
 
 TEST(ExportColumns, AmbiguousHeaderRowsSayWhichColumnsToGive) {

@@ -70,16 +70,15 @@ std::string text_of(const Validation& validation) {
 void run(const ValidatingOptions& options, const std::string& report, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
   const io::TextFile file = io::read_stored(options.calibration);
-  const io::CalibratedMachine machine =
-      checked_calibration(file, options.controller, robot, options.measuring.style);
+  const io::CalibratedMachine machine = checked_calibration(file, options.controller, robot, options.measuring.style);
   io::require_inputs(file);
   const KnownErrors known = machine.known();
   const CommandedReadings read = options.read(machine, robot);
   const Measurements& measurements = read.measurements;
   Validation validation = validate(robot, known, measurements, options.options(read));
-  for (const std::string& file : options.own(machine, measurements)) {
+  for (const std::string& own : options.own(machine, measurements)) {
     validation.accepted = false;
-    validation.reasons.push_back(io::confirms_nothing(file));
+    validation.reasons.push_back(io::confirms_nothing(own));
   }
   const io::Json json = io::to_json(validation);
   if (!report.empty()) {

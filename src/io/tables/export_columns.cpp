@@ -4,13 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
 #include "columns.hpp"
 #include "export_header.hpp"
-#include "io/files/letters.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
@@ -181,51 +179,11 @@ double unit_of(const TextFile& file, const HeaderRow& row, const std::optional<d
                        "expected a unit in the header row, as in \"X [mm]\", or --unit (mm, m, um or inch), got none");
 }
 
-/// "rx" of "Rx [deg]", "RX_deg" and "rx"; "rotx" of "Rot X".
-std::string angle_named(std::string_view heading) {
-  std::string letters;
-  for (const char c : lower_case(heading)) {
-    if (c >= 'a' && c <= 'z') letters.push_back(c);
-  }
-  for (const std::string_view unit : {"degrees", "degree", "deg", "radians", "rad"}) {
-    if (letters.size() > unit.size() && letters.ends_with(unit)) return letters.substr(0, letters.size() - unit.size());
-  }
-  return letters;
-}
-
-/// Three angles are an orientation in one of many orders, which no heading states: a point beside the plate's centre
-/// cannot do without it.
-void refuse_angles(const TextFile& file, const HeaderRow& row) {
-  using Angles = std::array<std::string_view, 3>;
-  constexpr std::array<Angles, 4> kAngles{
-      {{"rx", "ry", "rz"}, {"rotx", "roty", "rotz"}, {"roll", "pitch", "yaw"}, {"eulerx", "eulery", "eulerz"}}};
-  std::vector<std::string> names, columns;
-  for (const std::string& field : row.fields) {
-    if (std::ranges::find(file.style.ignored_columns, field) == file.style.ignored_columns.end()) {
-      names.push_back(angle_named(field));
-      columns.push_back(field);
-    }
-  }
-  for (const Angles& angles : kAngles) {
-    std::vector<std::string> found;
-    for (const std::string_view angle : angles) {
-      const auto at = std::ranges::find(names, angle);
-      if (at != names.end()) found.push_back(columns[static_cast<std::size_t>(at - names.begin())]);
-    }
-    if (found.size() < angles.size()) continue;
-    throw InputFileError(
-        file.name, row.line,
-        fmt::format("expected orientations as quaternions qw, qx, qy, qz, got angles {}, whose order is not stated: "
-                    "convert them, or take points of the plate's centre and pass --ignore-columns '{}'",
-                    fmt::join(found, ", "), fmt::join(found, ",")));
-  }
-}
-
 ColumnMap headed(const TextFile& file, const Places& wanted, double stated, bool by_order) {
   const std::optional<HeaderRow> row = find_header(file, wanted);
   if (!row) refuse_head(file);
-  refuse_angles(file, *row);
   const FieldColumns columns = columns_of(file, *row, by_order);
+  check_others(file, *row, columns, wanted);
   ColumnMap map = map_of(columns);
   map.mm_per_unit = unit_of(file, *row, unit_of(file, *row, columns), stated);
   map.data_after = row->line;

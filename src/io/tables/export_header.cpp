@@ -78,12 +78,13 @@ bool is_wanted(const Heading& heading, std::size_t field, const Places& wanted) 
 }
 
 /// @param wanted  headings; where one is empty, the field's own word.
-HeaderRow header_row(int line, std::string_view text, const TableStyle& style, const Places& wanted) {
-  HeaderRow row{line, export_fields(with_other_bytes_escaped(text), style.decimal_comma), {}, {}, true};
+HeaderRow header_row(int line, std::string_view text, const TextFile& file, const Places& wanted) {
+  HeaderRow row{line, export_fields(with_other_bytes_escaped(text), file.style.decimal_comma), {}, {}, true};
   for (const std::string& field : row.fields) row.headings.push_back(heading_of(field));
   for (std::size_t k = 0; k < row.headings.size(); ++k) {
     for (std::size_t field = 0; field < kExportFields.size(); ++field) {
-      if (is_wanted(row.headings[k], field, wanted)) row.columns[field].push_back(k + 1);
+      if (is_wanted(row.headings[k], field, wanted) && !is_ignored(file, row.fields[k]))
+        row.columns[field].push_back(k + 1);
     }
   }
   return row;
@@ -98,7 +99,7 @@ std::optional<HeaderRow> find_header(const TextFile& file, const Places& wanted)
   for (const std::string_view line : lines_of(file.text)) {
     if (++number > kLongestHead) break;
     if (is_export_comment(line)) continue;
-    HeaderRow row = header_row(number, line, file.style, wanted);
+    HeaderRow row = header_row(number, line, file, wanted);
     row.is_first = std::exchange(is_first, false);
     if (!row.columns[1].empty() && !row.columns[2].empty() && !row.columns[3].empty()) return row;
   }

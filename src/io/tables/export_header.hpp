@@ -44,4 +44,13 @@ struct HeaderRow {
 /// A word that is not known ("Nominal X", "dX") makes another column of it.
 std::optional<HeaderRow> find_header(const TextFile& file, const Places& wanted);
 
+/// Whether --ignore-columns names it.
+bool is_ignored(const TextFile& file, const std::string& heading);
+
+/// @param taken   from 1; 0: none.
+/// @param wanted  headings that somebody chose.
+/// @throws InputFileError for numbers in other columns, unless their headings say that they are for people (nominal
+/// values, deviations, dates) or they are to be ignored.
+void check_others(const TextFile& file, const HeaderRow& row, const FieldColumns& taken, const Places& wanted);
+
 }  // namespace paracal::io
