@@ -154,6 +154,39 @@ TEST(RoundTrip, HoldsWhereParallelogramsLeanUnderATiltedPlate) {
   }
 }
 
+/// Three parallelograms and a single rod: the bars are parallel to the arms' axes, so that nothing turns about z.
+TEST(RoundTrip, OfTiltsThatParallelogramsCannotFollowIsRefused) {
+  const std::string yaw = R"(name = "yaw"
+[plate]
+freedoms = ["x", "y", "z", "tilt_z"]
+[[limb]]
+kind = "arm"
+repeat = 3
+base_joint_mm = [200, 0, 0]
+plate_joint_mm = [50, 0, 0]
+arm_mm = 200
+axis = [0, -1, 0]
+arm_at_zero = [1, 0, 0]
+rod_mm = 450
+parallelogram_width_mm = 80
+[[limb]]
+kind = "arm"
+base_joint_mm = [180, 120, 0]
+plate_joint_mm = [10, 60, 0]
+arm_mm = 200
+axis = [1, 0, 0]
+arm_at_zero = [0, 1, 0]
+rod_mm = 450
+[workspace]
+radius_mm = 60
+height_mm = 80
+top_z_mm = -330
+tilt_deg = 15
+)";
+  EXPECT_THAT([&] { (void)robot_of(yaw); },
+              ThrowsMessage<InputFileError>(HasSubstr("expected no tilt_z for limb 1 with two rods")));
+}
+
 /// A 4-RRR: four arms hold three degrees of freedom, and with errors their joints disagree.
 constexpr const char* kSpare = R"(name = "spare"
 [plate]
