@@ -103,14 +103,14 @@ std::string first_calibration() {
 /// The firmware's fit is a change like others: exit code 0, and what is applied is kept by the next calibration.
 TEST_F(PrinterCommand, TheFirmwaresFitIsAChange) {
   folder.write("printer.cfg", first_calibration());
-  const json found = json_of(folder.run("printer printer.cfg --json"))["printer"];
+  const json found = json_of(folder.run("calibrate --printer printer.cfg --json"))["printer"];
   EXPECT_EQ(found["advice"], "take_firmware");
   EXPECT_EQ(found["common_shift"]["is_stated"], false);
-  const ProgramResult applied = folder.run("printer printer.cfg --apply");
+  const ProgramResult applied = folder.run("calibrate --printer printer.cfg --apply");
   EXPECT_EQ(applied.exit_code, kDone);
   EXPECT_THAT(applied.out, StartsWith("Use the firmware's fit: "));
   EXPECT_THAT(folder.read("printer.cfg"), HasSubstr("delta_radius: 137.8"));
-  EXPECT_EQ(folder.run("printer printer.cfg").exit_code, kVerdictIsNo);
+  EXPECT_EQ(folder.run("calibrate --printer printer.cfg").exit_code, kVerdictIsNo);
 }
 
 TEST_F(PrinterCommand, HeightsOfOnePlaceAreRefusedWithTheFile) {
@@ -118,7 +118,7 @@ TEST_F(PrinterCommand, HeightsOfOnePlaceAreRefusedWithTheFile) {
   text = text.substr(0, text.find("height0: 0"));
   folder.write("printer.cfg", text);
   folder.write("heights.csv", "x_mm,y_mm,z_mm,height_mm\n0,0,0,0\n0,1,10,10\n0,0,20,20\n");
-  const ProgramResult result = folder.run("printer printer.cfg --readings heights.csv");
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg --readings heights.csv");
   EXPECT_EQ(result.exit_code, kBadInputFile);
   EXPECT_THAT(result.err,
               HasSubstr("printer.cfg: expected heights across the bed, got all 3 within 5 mm of (0, 0) mm"));
