@@ -8,7 +8,7 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from . import _paracal
-from ._arrays import BoolArray, CodeArray, FloatArray, Numbers, as_poses, shaped
+from ._arrays import BoolArray, CodeArray, FloatArray, Numbers, as_poses, of_result, shaped
 from .calibration import Calibration
 from .known import KnownMachine
 from .robots import Machine
@@ -39,7 +39,7 @@ class Compensation(NamedTuple):
     @property
     def ok(self) -> BoolArray:
         """(...) True: there is a solution."""
-        return np.asarray(self.status == CompensationStatus.ok)
+        return of_result(np.asarray(self.status == CompensationStatus.ok))
 
 
 def compensate(

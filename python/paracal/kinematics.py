@@ -16,6 +16,7 @@ from ._arrays import (
     Numbers,
     as_joints,
     as_poses,
+    of_result,
     shaped,
 )
 from .robots import MachineLike, native_machine
@@ -48,7 +49,7 @@ class Inverse(NamedTuple):
     @property
     def ok(self) -> BoolArray:
         """(...) True: the pose is reached."""
-        return np.asarray(self.status == InverseStatus.reached)
+        return of_result(np.asarray(self.status == InverseStatus.reached))
 
 
 class Forward(NamedTuple):
@@ -65,7 +66,7 @@ class Forward(NamedTuple):
     @property
     def ok(self) -> BoolArray:
         """(...) True: converged, with small residuals."""
-        return np.asarray(self.status == ForwardStatus.converged)
+        return of_result(np.asarray(self.status == ForwardStatus.converged))
 
 
 class Driven(NamedTuple):
@@ -77,7 +78,7 @@ class Driven(NamedTuple):
     @property
     def ok(self) -> BoolArray:
         """(...) True: the pose is reached."""
-        return np.asarray(np.isfinite(self.poses).all(axis=-1))
+        return of_result(np.asarray(np.isfinite(self.poses).all(axis=-1)))
 
 
 class Jacobian(NamedTuple):
@@ -91,7 +92,7 @@ class Jacobian(NamedTuple):
     @property
     def ok(self) -> BoolArray:
         """(...) True: the derivatives exist, with small residuals."""
-        return np.asarray(self.status == ForwardStatus.converged)
+        return of_result(np.asarray(self.status == ForwardStatus.converged))
 
 
 def inverse(machine: MachineLike, poses: Numbers) -> Inverse:

@@ -32,7 +32,7 @@ class Prediction(NamedTuple):
     @property
     def U(self) -> FloatArray:
         """Expanded uncertainty U of the poses, same shape, mm and rad, about 95 %."""
-        return np.asarray(2.0 * np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
+        return of_result(2.0 * np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
 
 
 class KnownMachine:
