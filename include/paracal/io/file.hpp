@@ -42,7 +42,7 @@ struct TextStream {
 /// Takes a text piece by piece.
 using TextSink = std::function<void(std::string_view)>;
 
-/// A file, pipe or device, piece by piece. Whoever waits for a pipe can be interrupted (interruption.hpp).
+/// A file, pipe or device, piece by piece. A wait for a pipe can be interrupted (interruption.hpp).
 /// @throws InputFileError when it cannot be opened; later, when it cannot be read.
 std::unique_ptr<std::istream> open_file(const std::filesystem::path& path);
 
