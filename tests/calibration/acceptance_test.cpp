@@ -47,6 +47,8 @@ TEST_F(Accepted, WhereAllIsExplained) { EXPECT_THAT(reasons(), IsEmpty()); }
 TEST_F(Accepted, NotWhereNothingIsIdentified) {
   calibration.parameters.front().data_share = 0.49;
   EXPECT_THAT(reasons(), ElementsAre(HasSubstr("no error is identified")));
+  found.combinations = 1.5;  // as of heights, which determine sums of errors
+  EXPECT_THAT(reasons(), IsEmpty());
 }
 
 TEST_F(Accepted, NoiseOfTenTimesTheStatedIsTheLimit) {
@@ -98,6 +100,9 @@ TEST(Uncalibrated, UIsThatOfTheTolerances) {
     const auto at = static_cast<Eigen::Index>(k);
     EXPECT_NEAR(std::sqrt(tolerances(at, at)), *known.parameters[k].prior_std, 1e-12);
   }
+  // A table of variances expects parts to be beyond them: of exp(u), u of mean 0.3, a mean square of 1 / (1 - 0.6).
+  calibration.visit_std = Eigen::VectorXd::Zero(3);
+  EXPECT_NEAR(detail::covariance_of_tolerances(calibration)(0, 0), 2.5 * tolerances(0, 0), 1e-12);
 }
 
 /// The second half of a file in metres: of a machine whose fit settles, and of one whose fit does not.
@@ -111,7 +116,7 @@ TEST(PartInAnotherUnit, IsNotAcceptedAndNamed) {
     std::ranges::stable_sort(readings, {}, &PointReading::station);
     for (std::size_t k = readings.size() / 2; k < readings.size(); ++k) readings[k].point /= 1000.0;
     const Calibration calibration = calibrate(robot, read);
-    EXPECT_EQ(calibration.verdict, Verdict::rejected);
+    EXPECT_FALSE(calibration.accepted());
     EXPECT_THAT(
         calibration.reasons,
         Contains(HasSubstr(fmt::format("readings {} to {} are in metres", readings.size() / 2 + 1, readings.size()))));
@@ -173,9 +178,9 @@ TEST(Reflector, BesideTheCentreIsNotAcceptedAndNamed) {
     SCOPED_TRACE(one.robot);
     const Robot robot = robot_named(one.robot);
     const Calibration calibration = calibrate(robot, beside_centre(robot, one.mount, one.place));
-    EXPECT_EQ(calibration.verdict, Verdict::rejected);
+    EXPECT_FALSE(calibration.accepted());
     EXPECT_THAT(calibration.reasons, Contains(HasSubstr(one.text)));
-    EXPECT_TRUE(calibration.use);
+    EXPECT_EQ(calibration.use.has_value(), calibration.verdict == Verdict::rejected);
   }
 }
 

@@ -1,6 +1,7 @@
 // The table of variances: its formulas against the same found in other ways, and what is read from it on machines of
 // which one thing is off.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/calibration/prediction.hpp"
+#include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"

@@ -49,6 +49,15 @@ std::string without_gain(const std::vector<Gain>& all, double largest) {
       all.front().unit);
 }
 
+/// Mean square of the factor by which parts of a group are beyond their tolerances, before any reading: its logarithm
+/// is exponentially distributed with this mean, where a table of variances was made (Spreads::positions).
+double beyond_tolerances(const Calibration& calibration) {
+  constexpr double kMost = 10.0;
+  if (calibration.visit_std.size() == 0) return 1.0;
+  const double rest = 1.0 - 2.0 * calibration.options.discrepancies.tolerances;
+  return rest > 1.0 / kMost ? 1.0 / rest : kMost;
+}
+
 bool is_any(const Observation& observation, bool stated) {
   return std::ranges::any_of(observation.groups(), [&](const Group& one) { return one.stated == stated; });
 }
@@ -92,13 +101,14 @@ Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration) {
       covariance(k, i) = covariance(i, k);
     }
   }
-  return covariance;
+  return beyond_tolerances(calibration) * covariance;
 }
 
 std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   std::vector<std::string> reasons;
-  if (std::ranges::none_of(calibration.parameters, &ParameterEstimate::identified)) {
+  const bool is_single = std::ranges::any_of(calibration.parameters, &ParameterEstimate::identified);
+  if (!is_single && found.combinations < 1.0) {
     reasons.emplace_back(
         "no error is identified: the tolerances say more of each than the readings do. Measure more poses or with less "
         "noise");

@@ -13,17 +13,19 @@ namespace paracal::detail {
 
 /// How a fit compares with what was expected of instrument and machine.
 struct Compared {
-  double stated_noise = 1.0;             ///< noise found, over that which readings state
-  double unstated_noise = 1.0;           ///< over NoiseModel, of readings that state none
-  double absorbed = 0.0;                 ///< what joints, drives and poses do beside the geometry, mm at the plate
-  double allowed = 0.0;                  ///< what errors within their tolerances do there; 0: not known
+  double combinations = 0.0;    ///< of errors that the readings determine, where these determine none by itself
+  double stated_noise = 1.0;    ///< noise found, over that which readings state
+  double unstated_noise = 1.0;  ///< over NoiseModel, of readings that state none
+  double absorbed = 0.0;        ///< what joints, drives and poses do beside the geometry, mm at the plate
+  double allowed = 0.0;         ///< what errors within their tolerances do there; 0: not known
   std::optional<Use> uncalibrated = {};  ///< U over the workspace by the tolerances alone
 };
 
 /// @param explanation  empty: the machine is taken to be its geometry.
 Compared compared(const StageFit& fit, const std::optional<Explanation>& explanation, const Calibration& calibration);
 
-/// Covariance of errors before any reading, by their tolerances; empty where one of them has no tolerance.
+/// Covariance of errors before any reading, by their tolerances and by how far the table expects parts to be beyond
+/// them; empty where one of them has no tolerance.
 Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration);
 
 /// What is not explained, a sentence each: nothing is identified, the noise is not that of such an instrument, joints,

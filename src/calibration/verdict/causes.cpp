@@ -113,12 +113,10 @@ class Causes {
     }
   }
 
-  void add_tolerances(Spreads what, std::string_view whose) {
+  void add_tolerances(Spreads what) {
     constexpr double kLarger = 1.5;  // a tolerance that is larger by less is hardly another
     for (const std::size_t term : table_.terms_of(what)) {
-      add(Cause::parts, posterior_.probability_above({term}, kLarger),
-          fmt::format("the errors of the {} group are {:.1f} times as large as the tolerances: check them", whose,
-                      posterior_.size(term)));
+      add(Cause::parts, posterior_.probability_above({term}, kLarger), text_of_group(what, posterior_.size(term)));
     }
   }
 
@@ -174,6 +172,11 @@ std::string text_of(const SuspectedFact& one, double noise) {
   return fmt::format("{} are {:.1f} times as large as the tolerances: check them", one.subject, one.fact.factor);
 }
 
+std::string text_of_group(Spreads what, double factor) {
+  return fmt::format("the errors of the {} group are {:.1f} times as large as the tolerances: check them",
+                     what == Spreads::positions ? "position" : "tilt", factor);
+}
+
 void add_causes(const StageFit& fit, const CalibrationOptions& options, const std::vector<SuspectedFact>& facts,
                 const std::vector<WeighedTable>& tables, const VariancePosterior& posterior,
                 std::vector<Component>& causes) {
@@ -184,8 +187,8 @@ void add_causes(const StageFit& fit, const CalibrationOptions& options, const st
   all.add_poses();
   all.add_drives();
   all.add_far_errors();
-  all.add_tolerances(Spreads::positions, "position");
-  all.add_tolerances(Spreads::tilts, "tilt");
+  all.add_tolerances(Spreads::positions);
+  all.add_tolerances(Spreads::tilts);
   all.add_stated_noise();
   std::ranges::stable_sort(causes, std::greater{}, &Component::probability);
 }

@@ -14,6 +14,9 @@ namespace paracal::detail {
 /// @param noise  of the readings, mm.
 std::string text_of(const SuspectedFact& one, double noise);
 
+/// Errors of a group, positions or tilts, that are so many times their tolerances.
+std::string text_of_group(Spreads what, double factor);
+
 /// Adds the causes that are more probable than not: facts of which one is so, then what is large beside the noise and
 /// far larger than expected.
 /// @param tables  that of none of the facts, then theirs, with their probabilities.

@@ -251,6 +251,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit,
     add_controller(measurements, calibration);
   }
   Compared found_beside = compared(fit, explanation, calibration);
+  found_beside.combinations = found;
   found_beside.uncalibrated = state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
   judge(answer, is_determined(fit, calibration), found_beside, calibration);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "causes.hpp"
+#include "numerics/distributions.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -31,7 +32,7 @@ class Explainer {
       const double evidence = tables.front().mode.log_evidence;
       if (!std::isfinite(evidence)) return std::nullopt;  // something is left open
       std::vector<SuspectedFact> suspected = trials(tables);
-      if (facts < kMostFacts && adopt(suspected, tables)) continue;
+      if (facts < kMostFacts && (adopt(suspected, tables) || widen_group(tables.front()))) continue;
       omit_improbable(suspected, tables);
       if (stride > 1) {
         constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -117,6 +118,26 @@ class Explainer {
       }
       fit_.settle();
       return true;
+    }
+    return false;
+  }
+
+  /// Takes the tolerances of a group for as many times larger as the readings show, where they are far too small: a fit
+  /// that keeps to them explains nothing. Below that the readings outweigh them.
+  bool widen_group(const WeighedTable& none) {
+    constexpr double kFarTooSmall = 5.0;
+    for (const Spreads what : {Spreads::positions, Spreads::tilts}) {
+      for (const std::size_t term : none.table.terms_of(what)) {
+        const auto at = static_cast<Eigen::Index>(term);
+        const double factor = std::exp(none.mode.u(at));
+        const double probability = normal_probability(std::log(factor) * std::sqrt(none.mode.curvature(at, at)));
+        if (factor < kFarTooSmall || probability < 1.0 - options_.largest_doubt) continue;
+        causes_.push_back({Cause::parts, text_of_group(what, factor), probability, true});
+        const std::vector<Eigen::Index>& places = none.table.terms()[term].places;
+        fit_.widen_priors(std::vector<std::size_t>(places.begin(), places.end()), factor);
+        fit_.settle();
+        return true;
+      }
     }
     return false;
   }
