@@ -129,7 +129,7 @@ struct CalibrationOptions {
   double scale_std = 1.5e-5;
   Discrepancies discrepancies = {};  ///< by how much the machine may differ from its geometry
   double largest_doubt = 0.05;       ///< a cause is named if the probability of any other is smaller
-  /// Noise that nobody stated becomes a note if it is more than so many times `noise`: instruments differ by less.
+  /// Noise that is not stated becomes a note if it is more than so many times `noise`: instruments differ by less.
   double noise_to_tell = 2.5;
   double tell_chance = 1e-3;               ///< a test's result becomes a note if its p-value is below this
   AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
