@@ -52,7 +52,7 @@ PARACAL_FIELDS(Workspace, radius, height, top_z, min_rotation, max_rotation, max
 PARACAL_FIELDS(JointLimits, speed, acceleration)
 PARACAL_FIELDS(Tolerances, half_width, distribution, measured, origin, assumed)
 PARACAL_FIELDS(RobotDescription, name, geometry, slide, workspace, tolerances, intended, controller_origin,
-               joint_limits)
+               joint_limits, hang)
 PARACAL_FIELDS(TrackerModel, transverse, transverse_per_m, radial, radial_per_m)
 PARACAL_FIELDS(NoiseModel, distance, height, point, body, rotation, tracker, distance_bias, dial_angle, joint)
 PARACAL_FIELDS(SourceSelector, source, limb)

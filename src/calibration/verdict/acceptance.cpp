@@ -33,10 +33,13 @@ std::vector<Gain> gains(const Use& before, const Use& after) {
 }
 
 /// Empty where the machine is better known than before.
-std::string without_gain(const std::vector<Gain>& all, double largest) {
+/// @param uses_tolerances  the fit does, so that no quantity may be known less well than by them. A fit of offsets
+/// alone
+///                         does not: heights leave its rotations open.
+std::string without_gain(const std::vector<Gain>& all, double largest, bool uses_tolerances) {
   constexpr const char* kCheck = "Check the input, the joints and the instrument";
   const auto worse = std::ranges::find_if(all, [&](const Gain& one) { return one.after > largest * one.before; });
-  if (worse != all.end()) {
+  if (uses_tolerances && worse != all.end()) {
     return fmt::format(
         "U of {} over the workspace is {} {}; before the calibration, by the tolerances alone, it is {} {}. {}",
         worse->what, two_digits(worse->after), worse->unit, two_digits(worse->before), worse->unit, kCheck);
@@ -67,7 +70,7 @@ bool is_any(const Observation& observation, bool stated) {
 Compared compared(const StageFit& fit, const std::optional<Explanation>& explanation, const Calibration& calibration) {
   const Observation& observation = fit.observation();
   const double scatter = has_priors(observation) ? 1.0 : calibration.unit_weight_std.value_or(1.0);
-  Compared found;
+  Compared found{.uses_tolerances = has_priors(observation)};
   if (is_any(observation, true)) {
     found.stated_noise = explanation ? explanation->stated_noise : calibration.unit_weight_std.value_or(1.0);
   }
@@ -133,7 +136,8 @@ std::vector<std::string> unexplained(const Compared& found, const Calibration& c
                     two_digits(found.absorbed), two_digits(found.allowed)));
   }
   if (found.uncalibrated && calibration.use) {
-    std::string text = without_gain(gains(*found.uncalibrated, *calibration.use), options.largest_use_ratio);
+    std::string text =
+        without_gain(gains(*found.uncalibrated, *calibration.use), options.largest_use_ratio, found.uses_tolerances);
     if (!text.empty()) reasons.push_back(std::move(text));
   }
   return reasons;

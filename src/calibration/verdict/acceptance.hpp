@@ -19,6 +19,7 @@ struct Compared {
   double absorbed = 0.0;        ///< what joints, drives and poses do beside the geometry, mm at the plate
   double allowed = 0.0;         ///< what errors within their tolerances do there; 0: not known
   std::optional<Use> uncalibrated = {};  ///< U over the workspace by the tolerances alone
+  bool uses_tolerances = true;           ///< else U of what no reading shows is not bounded by them
 };
 
 /// @param explanation  empty: the machine is taken to be its geometry.
