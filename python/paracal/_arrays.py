@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Mapping, Union
+from typing import TYPE_CHECKING, Any, Mapping, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ IntArray = npt.NDArray[np.int64]
 CodeArray = npt.NDArray[np.uint8]
 BoolArray = npt.NDArray[np.bool_]
 
+Array = TypeVar("Array", bound="npt.NDArray[Any]")
+
 #: Numbers by position in mm and rad, or a DataFrame or dict of columns by name and unit.
 Numbers = Union[npt.ArrayLike, "pandas.DataFrame", Mapping[str, npt.ArrayLike]]
 
@@ -30,7 +32,7 @@ _COLUMN_UNITS = {
 }
 
 
-def of_result(array: Any) -> Any:
+def of_result(array: Array) -> Array:
     """The array of a result, which belongs to nobody else: to change it would change nothing."""
     array.flags.writeable = False
     return array

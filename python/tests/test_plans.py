@@ -19,8 +19,11 @@ class Plans(TestCase):
             self.assertEqual(plan.names, [one["pose"] for one in theirs["poses"]])
         with self.assertRaisesRegex(pc.InvalidArgument, "stage: expected rough or fine, got auto"):
             pc.paper_plan(pc.robot("huang2016"), "auto")
-        for keywords in ({"threshold": 0.0}, {"start_azimuth_rad": np.nan}):
-            with self.assertRaisesRegex(pc.InvalidArgument, "a finite angle and a threshold above 0"):
+        for keywords, complaint in (
+            ({"threshold": 0.0}, "threshold: expected 1e-15 to 1, got 0"),
+            ({"start_azimuth_rad": np.nan}, "expected a finite angle"),
+        ):
+            with self.assertRaisesRegex(pc.InvalidArgument, complaint):
                 pc.paper_plan(pc.robot("huang2016"), "fine", **keywords)
 
     def test_selected_poses_are_the_programs(self):

@@ -82,7 +82,7 @@ class SmallCholesky {
     for (Eigen::Index k = 0; k < lower_.rows(); ++k) {
       double pivot = lower_(k, k);
       for (Eigen::Index j = 0; j < k; ++j) pivot -= lower_(k, j) * lower_(k, j);
-      if (!(pivot > 0.0)) return;
+      if (pivot <= 0.0) return;
       lower_(k, k) = std::sqrt(pivot);
       inverse_(k) = 1.0 / lower_(k, k);
       for (Eigen::Index i = k + 1; i < lower_.rows(); ++i) {
@@ -94,7 +94,7 @@ class SmallCholesky {
     ok_ = true;
   }
 
-  /// M is positive definite.
+  /// M is positive definite, or holds NaN, as the solutions then do.
   bool ok() const { return ok_; }
 
   /// M^-1 b. @pre ok()
