@@ -202,9 +202,11 @@ ForwardResult in_its_mode(const Machine& machine, const Joints& joints, const Fo
   ForwardResult direct = solve<N>(machine, joints, options);
   const auto is_meant = [&](const ForwardResult& found) { return found.ok() && is_near(machine.range, found.plate); };
   if (options.start || !joints.allFinite() || is_meant(direct)) return direct;
-  ForwardOptions placed = options;
-  placed.start = detail::placed_level<N>(machine, joints);
-  if (const ForwardResult other = solve<N>(machine, joints, placed); is_meant(other)) return other;
+  if constexpr (!detail::kIsLevel<N>) {  // of a level plate the other solution is the mirror image, wherever it lies
+    ForwardOptions placed = options;
+    placed.start = detail::placed_level<N>(machine, joints);
+    if (const ForwardResult other = solve<N>(machine, joints, placed); is_meant(other)) return other;
+  }
   const std::optional<ForwardResult> led = led_from_centre<N>(machine, joints, options);
   if (led && led->usable()) {
     const bool agrees = direct.usable() && is_same(direct.plate, led->plate);

@@ -123,8 +123,8 @@ std::vector<CommonError> printer_common_errors(const Robot& robot, bool has_dist
   CommonError rods{.text = "length of the rods", .direction = {}, .std = lengths};
   CommonError arms{.text = "length of the arms", .direction = {}, .std = lengths};
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    radius.direction(i, "e_x") = std::cos(robot.geometry().limb_azimuth[i]);
-    radius.direction(i, "e_y") = std::sin(robot.geometry().limb_azimuth[i]);
+    radius.direction(i, "e_x") = robot.nominal().limbs[i].radial.x();
+    radius.direction(i, "e_y") = robot.nominal().limbs[i].radial.y();
     rods.direction(i, "rod_mean") = 1.0;
     arms.direction(i, "arm_length") = 1.0;
   }

@@ -78,9 +78,6 @@ using Machine = BasicMachine<double>;
 ///   R_0 = F Rot(x, alpha0) Rot(z, beta0),  beta3 = -beta03;
 ///   C = b - L u_1 + ((1 + gain) q + theta_offset) v_1.
 ///
-/// With what is intended, alpha0 and beta0 turn the frame that these errors are relative to: F Rot(x, alpha0) Rot(y,
-/// beta0) takes the place of Rot(z, gamma) Rot(x, pi/2), and of a rail F Rot(x, alpha0) Rot(z, beta0) that of F.
-///
 /// Of limbs with one rod b and a are shifted each by an error of its own, and with F = (u_0, v_0, w_0) of frame_of()
 ///
 ///   strut:     l = l_0 + theta_offset + (1 + gain) q;

@@ -53,13 +53,6 @@ struct NominalLimb {
   double arm, rod, width, slide_sign, ahead;
 };
 
-/// The axes of a limb that is intended to lean, in the frame of one that does not.
-inline Eigen::Matrix3d intended_lean(const RobotDescription& robot, std::size_t i, Actuator kind) {
-  if (kind == Actuator::strut) return Eigen::Matrix3d::Identity();
-  const double alpha = robot.intended(i, "alpha0"), beta = robot.intended(i, "beta0");
-  return rotation_x(alpha) * (runs_on_rail(kind) ? rotation_z(beta) : rotation_y(beta));
-}
-
 inline NominalLimb nominal_limb(const RobotDescription& robot, std::size_t i) {
   const Geometry& shared = robot.geometry;
   const double slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
@@ -68,7 +61,7 @@ inline NominalLimb nominal_limb(const RobotDescription& robot, std::size_t i) {
     return {shared.actuator,
             shared.base_radius * frame.col(0),
             shared.plate_radius * frame.col(0),
-            frame * intended_lean(robot, i, shared.actuator),
+            frame,
             shared.arm,
             shared.rod,
             shared.parallelogram_width,
@@ -79,7 +72,7 @@ inline NominalLimb nominal_limb(const RobotDescription& robot, std::size_t i) {
   return {own.kind,
           own.base,
           own.plate,
-          frame_of(own) * intended_lean(robot, i, own.kind),
+          frame_of(own),
           own.arm,
           own.length,
           on_single_rods(own.kind) ? shared.parallelogram_width : own.width,
@@ -171,10 +164,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
   bool turns_bars = false;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const detail::NominalLimb limb = detail::nominal_limb(robot, i);
-    const auto error = [&](Source source) -> Scalar {
-      const bool leans = source == "alpha0" || source == "beta0";  // the nominal frame leans as intended
-      return leans ? Scalar(errors(i, source)) : Scalar(errors(i, source) + robot.intended(i, source));
-    };
+    const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
     detail::place_drive<Scalar>(limb, error, machine.limbs[i]);
     machine.limbs[i].slide_sign = limb.slide_sign;
     if (on_single_rods(limb.kind)) {

@@ -20,8 +20,7 @@ SourceErrors alike(const Robot& robot, Value&& value) {
 
 SourceErrors radial(const Robot& robot, double sign) {
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
-    const double azimuth = robot.geometry().limb_azimuth[limb];
-    shift_limb(robot, limb, {sign * std::cos(azimuth), sign * std::sin(azimuth), 0.0}, errors);
+    shift_limb(robot, limb, sign * robot.nominal().limbs[limb].radial, errors);
   });
 }
 
