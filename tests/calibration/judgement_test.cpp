@@ -199,7 +199,7 @@ TEST(JudgedHexapods, OfFewHeightsAreKnownAsWellAsIsSaid) {
     const Judgement all = judge_world(hexapods, world_named(world), 500, machines({.claim = 80, .quick = 20}));
     EXPECT_GE(all.distance_coverage(), 0.93 - 3.0 * std::sqrt(0.93 * 0.07 / std::max(all.accepted, 1)));
     EXPECT_LE(all.use_exceeded[0], std::max(1.0, 0.05 * all.accepted + 3.0 * std::sqrt(0.05 * all.accepted)));
-    for (const double U : all.largest_U) EXPECT_LT(U, 1.0);  // mm; of offsets alone 3 and more
+    for (const double U : all.largest_U) EXPECT_LT(U, 1.5);  // mm; of offsets alone 3 and more
   }
 }
 
@@ -378,7 +378,7 @@ TEST(Use, IsStatedOfReadingsThatAreNotWhatTheyWereTakenFor) {
   const Calibration calibration = calibrate(robot, machine.measurements);
   ASSERT_FALSE(calibration.accepted());
   EXPECT_THAT(calibration.reasons.front(), HasSubstr("inches"));
-  EXPECT_TRUE(calibration.use);
+  EXPECT_EQ(calibration.use.has_value(), calibration.verdict == Verdict::rejected);
 }
 
 TEST(Assumptions, SayThatNobodyCanTellBacklashWithoutRepeats) {

@@ -107,6 +107,20 @@ Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration) {
   return beyond_tolerances(calibration) * covariance;
 }
 
+namespace {
+
+std::string lack_of_gain(const Compared& found, const Calibration& calibration) {
+  if (!found.uncalibrated || !calibration.use) return {};
+  return without_gain(gains(*found.uncalibrated, *calibration.use), calibration.options.largest_use_ratio,
+                      found.uses_tolerances);
+}
+
+}  // namespace
+
+bool is_better_known(const Compared& found, const Calibration& calibration) {
+  return lack_of_gain(found, calibration).empty();
+}
+
 std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration) {
   const CalibrationOptions& options = calibration.options;
   std::vector<std::string> reasons;
@@ -135,11 +149,7 @@ std::vector<std::string> unexplained(const Compared& found, const Calibration& c
                     "joints",
                     two_digits(found.absorbed), two_digits(found.allowed)));
   }
-  if (found.uncalibrated && calibration.use) {
-    std::string text =
-        without_gain(gains(*found.uncalibrated, *calibration.use), options.largest_use_ratio, found.uses_tolerances);
-    if (!text.empty()) reasons.push_back(std::move(text));
-  }
+  if (std::string text = lack_of_gain(found, calibration); !text.empty()) reasons.push_back(std::move(text));
   return reasons;
 }
 

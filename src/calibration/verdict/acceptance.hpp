@@ -29,6 +29,9 @@ Compared compared(const StageFit& fit, const std::optional<Explanation>& explana
 /// them; empty where one of them has no tolerance.
 Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration);
 
+/// U over the workspace is below that of the uncalibrated machine; also where no U is stated.
+bool is_better_known(const Compared& found, const Calibration& calibration);
+
 /// What is not explained, a sentence each: nothing is identified, the noise is not that of such an instrument, joints,
 /// drives and poses absorb what geometry should explain, or the machine is not better known than by its tolerances.
 std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration);

@@ -214,12 +214,15 @@ void state_errors(const StageFit& fit, Calibration& calibration) {
   if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, calibration);
 }
 
-void state_evidence(const Measurements& measurements, const StageFit& fit,
+bool state_evidence(const Measurements& measurements, const StageFit& fit,
                     const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
                     Told told, Calibration& calibration) {
   const Observation& observation = fit.observation();
   const LeastSquaresResult& answer = fit.fit();
-  if (answer.status == LeastSquaresStatus::not_evaluable) return judge(answer, false, {}, calibration);
+  if (answer.status == LeastSquaresStatus::not_evaluable) {
+    judge(answer, false, {}, calibration);
+    return true;
+  }
   const bool everything = told == Told::everything;
   const Scatter scatter = fit.scatter();
   calibration.readings = observation.groups().size();
@@ -234,7 +237,10 @@ void state_evidence(const Measurements& measurements, const StageFit& fit,
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);
   const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;
-  if (!after || !before) return judge(answer, false, {}, calibration);
+  if (!after || !before) {
+    judge(answer, false, {}, calibration);
+    return true;
+  }
   const Eigen::Index rows = has_priors(observation) ? 0 : after->information().row_count();
   const double found = found_parameters(fit, rows, scatter);
   calibration.chance = chance_of(before->information().squared_residuals() - answer.at_answer.squared_residuals(),
@@ -255,6 +261,7 @@ void state_evidence(const Measurements& measurements, const StageFit& fit,
   found_beside.uncalibrated = state_use(fit, calibration);
   add_promise_of_fine(measurements, calibration);
   judge(answer, is_determined(fit, calibration), found_beside, calibration);
+  return is_better_known(found_beside, calibration);
 }
 
 }  // namespace paracal::detail

@@ -20,7 +20,8 @@ void state_errors(const StageFit& fit, Calibration& calibration);
 /// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
 /// @param told  Told::verdict: of the same verdict, parameters and uncertainty alone.
 /// @param explanation  empty: the machine is taken to be its geometry.
-void state_evidence(const Measurements& measurements, const StageFit& fit,
+/// @return  is_better_known().
+bool state_evidence(const Measurements& measurements, const StageFit& fit,
                     const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
                     Told told, Calibration& calibration);
 

@@ -140,6 +140,15 @@ Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
   return Robot(std::move(description));
 }
 
+/// Offsets alone left the machine less well known than its tolerances do, which the fine stage uses.
+Calibration with_tolerances(const Robot& robot, const Measurements& measurements, CalibrationOptions options,
+                            detail::Told told) {
+  options.stage = Stage::fine;
+  Calibration calibration = detail::calibrate_as_given(robot, measurements, options, told);
+  calibration.options.stage = Stage::automatic;
+  return calibration;
+}
+
 }  // namespace
 
 Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
@@ -179,8 +188,10 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
     detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
     if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
       if (told == Told::errors) return with_errors(rough, std::move(calibration));
-      detail::state_evidence(used, rough, {}, {}, told, calibration);
-      return calibration;
+      const bool better_known = detail::state_evidence(used, rough, {}, {}, told, calibration);
+      const bool only_this = calibration.verdict == Verdict::rejected && calibration.reasons.size() == 1;
+      const bool may_go_fine = only_this && options.stage == Stage::automatic && !paper;
+      return !better_known && may_go_fine ? with_tolerances(robot, measurements, options, told) : calibration;
     }
     offsets = rough.observation().errors(rough.fit().parameters);
   }

@@ -61,11 +61,13 @@ void add_assumptions(const StageFit& fit, const std::optional<Explanation>& expl
   }
   const Scatter visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
   const bool unstated = !all_stated(fit.observation());
+  const bool told = std::ranges::any_of(calibration.components,
+                                        [](const Component& one) { return one.told && one.cause == Cause::motion; });
   if (explanation && explanation->is_ambiguous) {
     assume(
         "no pose was visited twice and no noise is stated, so noise and joints that do not repeat look alike: U of a "
         "single visit includes both. Visit poses twice, or state the noise (--sigma-known), to separate them");
-  } else if (unstated && visits.redundancy < 1.0) {
+  } else if (unstated && visits.redundancy < 1.0 && !told) {
     assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
   }
   if (calibration.visit_std.size() > 0) {
