@@ -21,7 +21,7 @@ class Plans(TestCase):
             pc.paper_plan(pc.robot("huang2016"), "auto")
         for keywords, complaint in (
             ({"threshold": 0.0}, "threshold: expected 1e-15 to 1, got 0"),
-            ({"start_azimuth_rad": np.nan}, "expected a finite angle"),
+            ({"start_azimuth_rad": np.nan}, "start_azimuth_rad: expected -360 to 360, got nan"),
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, complaint):
                 pc.paper_plan(pc.robot("huang2016"), "fine", **keywords)

@@ -71,6 +71,7 @@ Json description(const Batch& batch, ChunkSizes sizes) {
 ChunkSizes chunk_sizes(const Json& description) {
   const Json& chunks = description.at("chunks");
   const ChunkSizes sizes{chunks.at("first_order").get<std::uint64_t>(), chunks.at("exact").get<std::uint64_t>()};
+  if (sizes.exact == 0) throw InvalidArgument("chunks: expected at least one machine per chunk, got 0");
   return sizes;
 }
 

@@ -397,7 +397,7 @@ const std::vector<BrokenInput> kAbsurd{
               {"errors.toml:2: expected limb 1.theta_offset_deg from -180 to 180 deg", "1e+08"}),
     calibration("coverage_factor_negative",
                 replaced(kCalibration, "\"accepted\": true", "\"coverage_factor\": -5, \"accepted\": true"),
-                {"calibration.json:2: expected coverage_factor above 0"}),
+                {"calibration.json:2: coverage_factor: expected a number of at least 1"}),
     calibration("freedom_negative",
                 replaced(kCalibration, "\"accepted\": true", "\"degrees_of_freedom\": -1, \"accepted\": true"),
                 {"calibration.json:2: expected degrees_of_freedom from 0"}),

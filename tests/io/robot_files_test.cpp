@@ -98,7 +98,7 @@ TEST(RobotFile, RefusesMoreLimbsThanAnyRobotHas) {
         read_robot({"r.toml", text});
       },
       testing::ThrowsMessage<InputFileError>(testing::HasSubstr(
-          "expected 3 limbs for a rigid plate, got 4: describe a robot with other limbs by [plate] and [[limb]]")));
+          "expected 3 limbs for a rigid plate, got 40: describe a robot with other limbs by [plate] and [[limb]]")));
 }
 
 TEST(SourceErrorFile, KeysAreInDegAndMm) {

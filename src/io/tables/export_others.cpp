@@ -24,10 +24,9 @@ constexpr std::array<std::string_view, 50> kForPeople{
     "temp",      "temperature", "pressure", "humidity",  "status"};
 
 bool is_for_people(const Heading& heading) {
-  for (const std::string_view word : split(heading.meaning, ' ')) {
-    if (std::ranges::find(kForPeople, word) != kForPeople.end()) return true;
-  }
-  return false;
+  return std::ranges::any_of(split(heading.meaning, ' '), [](std::string_view word) {
+    return std::ranges::find(kForPeople, word) != kForPeople.end();
+  });
 }
 
 /// Below the header row; a column of words has none.
