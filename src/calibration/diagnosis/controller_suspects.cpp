@@ -122,7 +122,7 @@ std::vector<ControllerSuspect> other_orders(const Robot& robot) {
   for (const bool backwards : {false, true}) {
     order = right;
     if (backwards) std::ranges::reverse(order);
-    for (std::size_t by = 0; by < limbs; ++by, std::ranges::rotate(order, order.begin() + 1)) {
+    for (std::size_t by = 0; by < limbs; ++by, std::rotate(order.begin(), order.begin() + 1, order.end())) {
       if (is_new()) all.push_back(other_order(robot, order));
     }
   }

@@ -23,7 +23,7 @@ Eigen::MatrixXd by_poses(const LinearReadings& all, Eigen::Index joint) {
     if (one.by_from_joint.size() > 0) poses.push_back(one.from);
   }
   std::ranges::sort(poses);
-  poses.erase(std::ranges::unique(poses).begin(), poses.end());
+  poses.erase(std::unique(poses.begin(), poses.end()), poses.end());
   const auto column_of = [&](std::size_t pose) { return std::ranges::lower_bound(poses, pose) - poses.begin(); };
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.y.size(), std::ssize(poses));
   for (std::size_t k = 0; k < all.blocks.size(); ++k) {
