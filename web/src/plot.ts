@@ -31,7 +31,7 @@ interface Dots {
 export function dots<Point extends object>(points: Point[], { x, y, colour, size, symbol, opacity = 1 }: Dots): Markish {
   if (points.length <= kMostDots) return dot(points, { x, y, fill: colour, fillOpacity: opacity, r: size / 2, symbol });
   const apart = points.flatMap((point) => [point, { [x]: NaN, [y]: NaN } as Point]);
-  return line(apart, { x, y, z: null, stroke: colour, strokeOpacity: opacity, strokeWidth: size, strokeLinecap: symbol === "circle" ? "round" : "square", ariaLabel: "dots" });
+  return line(apart, { x, y, z: null, stroke: colour, strokeOpacity: opacity, strokeWidth: size, strokeLinecap: symbol === "circle" ? "round" : "square" });
 }
 
 export const before = "var(--before)";

@@ -104,7 +104,7 @@ std::optional<Use> state_use(const StageFit& fit, Calibration& calibration) {
         use_over_workspace(calibration.robot, known_errors(calibration), covariance_of_tolerances(calibration));
     calibration.use = use.any;
     calibration.use_mean = use.mean;
-    uncalibrated = std::move(use.uncalibrated);
+    uncalibrated = use.uncalibrated;
   } catch (const Unreachable&) {
     calibration.notes.emplace_back("the calibrated machine cannot reach its whole workspace: check the robot file");
     return {};
