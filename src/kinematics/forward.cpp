@@ -205,7 +205,7 @@ ForwardResult in_its_mode(const Machine& machine, const Joints& joints, const Fo
   if constexpr (!detail::kIsLevel<N>) {  // of a level plate the other solution is the mirror image, wherever it lies
     ForwardOptions placed = options;
     placed.start = detail::placed_level<N>(machine, joints);
-    if (const ForwardResult other = solve<N>(machine, joints, placed); is_meant(other)) return other;
+    if (ForwardResult other = solve<N>(machine, joints, placed); is_meant(other)) return other;
   }
   const std::optional<ForwardResult> led = led_from_centre<N>(machine, joints, options);
   if (led && led->usable()) {

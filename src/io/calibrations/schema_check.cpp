@@ -109,6 +109,7 @@ class Walk {
       if (has("maximum") && value > schema["maximum"]) return "a number of at most " + schema["maximum"].dump();
     }
     if (value.is_string() && has("pattern") && !fits(value, schema["pattern"])) {
+      if (has("examples")) return "a text like " + schema["examples"][0].get<std::string>();
       return fmt::format("a text of the form {}", schema["pattern"].get_ref<const std::string&>());
     }
     if (value.is_array() && has("minItems") && value.size() < schema["minItems"]) {
