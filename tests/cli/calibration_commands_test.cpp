@@ -215,7 +215,7 @@ TEST_F(CalibrationCommands, ReadWhatTheyWrite) {
   folder.make({"poses --robot linear_delta --stage fine --out rails.csv",
                "simulate --robot linear_delta --poses rails.csv --seed 1 --out read.csv",
                "calibrate --robot linear_delta --measurements read.csv --out rails.json"});
-  const ProgramResult compensated = run("compensate --calibration rails.json --poses rails.csv");
+  const ProgramResult compensated = folder.run(words("compensate --calibration rails.json --poses rails.csv"));
   EXPECT_EQ(compensated.exit_code, kDone) << compensated.err;
 }
 

@@ -38,7 +38,7 @@ const kMarksOf = [
 ];
 
 async function checkMarks(page) {
-  const figures = await page.$$eval("figure[data-marks]", (all, selectors) => all.map((one) => ({ id: one.id, promised: Number(one.dataset.marks), drawn: { ...Object.fromEntries(Object.entries(selectors).map(([kind, selector]) => [kind, one.querySelectorAll(selector).length])), points: [...one.querySelectorAll(".drawing svg g:is([stroke-width="5"], [stroke-width="6"]) > path")].reduce((sum, path) => sum + path.getAttribute("d").split("M").length - 1, 0) } })), kMarks);
+  const figures = await page.$$eval("figure[data-marks]", (all, selectors) => all.map((one) => ({ id: one.id, promised: Number(one.dataset.marks), drawn: { ...Object.fromEntries(Object.entries(selectors).map(([kind, selector]) => [kind, one.querySelectorAll(selector).length])), points: [...one.querySelectorAll(".drawing svg g:is([stroke-width='5'], [stroke-width='6']) > path")].reduce((sum, path) => sum + path.getAttribute("d").split("M").length - 1, 0) } })), kMarks);
   assert.ok(figures.length > 0);
   for (const { id, promised, drawn } of figures) {
     if (id === "robot-errors") continue; // drawn in three dimensions
@@ -132,7 +132,7 @@ function withManyPoints(report) {
 
 of("large", "thousands of readings do not become as many elements", async (page) => {
   assert.ok((await page.locator("*").count()) < 10_000);
-  const points = await page.$$eval("#residuals-after .drawing g:is([stroke-width="5"], [stroke-width="6"]) > path", (all) => all.map((one) => one.getAttribute("d").split("M").length - 1));
+  const points = await page.$$eval("#residuals-after .drawing g:is([stroke-width='5'], [stroke-width='6']) > path", (all) => all.map((one) => one.getAttribute("d").split("M").length - 1));
   const used = (await dataOf(page)).results.calibration.residuals.filter((one) => !one.excluded).length;
   assert.ok(points.includes(3 * used), points.join());
 });
