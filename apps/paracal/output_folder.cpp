@@ -42,7 +42,7 @@ OutputFolder::OutputFolder(const std::string& who, const std::string& name, cons
 
 void OutputFolder::write(const std::map<std::string, std::string>& files) const {
   const io::SignalsWait together;  // a folder without its files is neither
-  const bool is_new = fs::create_directory(path_);
+  const bool is_new = io::make_folder(path_);
   try {
     io::Store store;  // gone before the folder goes: until then it may hold what has no name yet
     for (const auto& [name, text] : files) store.write(path_ / name, text);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <system_error>
 
 #include "gzip.hpp"
 #include "io/calibrations/json_node.hpp"
@@ -76,9 +75,7 @@ Checkpoint::Checkpoint(std::filesystem::path path, Json description) : path_(std
   if (const io::Place place = io::place_of(path_, io::Use::write); place.is_foreign) {
     io::fail_to_write(path_, place.why_not());
   }
-  std::error_code error;
-  std::filesystem::create_directories(path_, error);
-  if (error) io::fail_to_write(path_, error.message());
+  io::make_folders(path_);
   const std::filesystem::path header = path_ / "job.json";
   // Of several that begin in one folder at once, one comes first.
   const bool begins = io::write_new_file(header, description.dump(2) + "\n");

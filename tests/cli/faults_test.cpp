@@ -334,6 +334,25 @@ TEST_F(Faults, BatchesDoNotMix) {
   }
 }
 
+TEST_F(Faults, AFolderIsMadeInSpiteOfSignals) {
+  const std::string yield = "yield --exact --robot huang2016 --machines 2 --chunk 1 --checkpoint ";
+  int folders = 0;
+  const auto make = [&](const std::string& command, int call, const std::filesystem::path& made) {
+    const std::string fault = fmt::format("PARACAL_FAULT=mkdir {} {}", call, EINTR);
+    const ProgramResult result =
+        run_program(words(command), {.folder = folder.path(), .environment = {preloaded_faults(), fault}});
+    EXPECT_EQ(result.exit_code, kDone) << result.err;
+    folders += is_directory(folder.path() / made);
+  };
+  make(yield + "one", 1, "one");
+  make(yield + "two/below/", 2, "two/below");
+  make("demo made --robot linear_delta", 1, "made");
+  EXPECT_EQ(folders, 3);
+  const ProgramResult refused = folder.run(yield + "points.csv/below");
+  EXPECT_EQ(refused.exit_code, kWrongUsage);
+  EXPECT_EQ(refused.err, "paracal: points.csv/below: cannot be written: Not a directory\n");
+}
+
 TEST_F(Faults, CalibrationsThatCannotBeAreRefused) {
   const auto spoilt = [&](const std::function<void(nlohmann::json&)>& change) {
     nlohmann::json json = nlohmann::json::parse(folder.read("calibration.json"));

@@ -57,4 +57,12 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// @returns whether the file was written.
 bool write_new_file(const std::filesystem::path& path, std::string_view text);
 
+/// A folder, unless it is there.
+/// @returns whether it is new.
+/// @throws Error when it cannot be made.
+bool make_folder(const std::filesystem::path& path);
+
+/// The same with all folders before it.
+bool make_folders(const std::filesystem::path& path);
+
 }  // namespace paracal::io

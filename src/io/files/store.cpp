@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "descriptor.hpp"
@@ -303,6 +304,23 @@ bool write_new_file(const std::filesystem::path& path, std::string_view text) {
   const bool is_new = file.place_as_new();
   file.finish();
   return is_new;
+}
+
+bool make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  bool is_new = false;
+  do {
+    is_new = std::filesystem::create_directory(path, error);
+  } while (error == std::errc::interrupted);  // as the other calls: uninterrupted()
+  if (error) fail_to_write(path, error.message());
+  return is_new;
+}
+
+bool make_folders(const std::filesystem::path& path) {
+  const std::filesystem::path before = path.parent_path();
+  std::error_code ignored;  // of a folder that cannot be looked at: making it says why
+  if (!before.empty() && !std::filesystem::exists(before, ignored)) make_folders(before);
+  return make_folder(path);
 }
 
 }  // namespace paracal::io
