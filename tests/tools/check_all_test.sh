@@ -98,6 +98,7 @@ echo "check_all: remembers, skips, resumes"
 
 # tools/once.sh, with records of its own.
 export XDG_CACHE_HOME=$scratch/cache
+unset PARACAL_ONCE  # .ci/run sets it
 once() { # WHAT RAN COMMAND...
   : >ran
   tools/once.sh "source more" "${@:3}" >out 2>&1 || true
