@@ -66,6 +66,18 @@ TEST(RoundTrip, IsOnTheSideOfTheWorkspaceWhereverTheFrameBegins) {
   }
 }
 
+constexpr const char* kThreeArms = R"([[limb]]
+kind = "arm"
+repeat = 3
+base_joint_mm = [200, 0, 0]
+plate_joint_mm = [50, 0, 0]
+arm_mm = 200
+axis = [0, -1, 0]
+arm_at_zero = [1, 0, 0]
+rod_mm = 450
+parallelogram_width_mm = 80
+)";
+
 /// A point on three lines, hung as above; and a Delta with its plate above the arms, or on a wall.
 TEST(RoundTrip, IsThatOfAnyMountedRobot) {
   for (const double floor : {0.0, 3000.0, -5000.0}) {
@@ -86,20 +98,10 @@ top_z_mm = {}
                                           floor + 3000.0, floor + 1500.0);
     EXPECT_LT(off(robot_of(lines), 100), 1e-9) << floor;
   }
-  const std::string standing = R"(name = "standing"
+  const std::string standing = std::string(R"(name = "standing"
 [plate]
 freedoms = ["x", "y", "z"]
-[[limb]]
-kind = "arm"
-repeat = 3
-base_joint_mm = [200, 0, 0]
-plate_joint_mm = [50, 0, 0]
-arm_mm = 200
-axis = [0, -1, 0]
-arm_at_zero = [1, 0, 0]
-rod_mm = 450
-parallelogram_width_mm = 80
-[workspace]
+)") + kThreeArms + R"([workspace]
 radius_mm = 120
 height_mm = 120
 top_z_mm = 450
@@ -168,20 +170,10 @@ TEST(RoundTrip, HoldsWhereParallelogramsLeanUnderATiltedPlate) {
 
 /// Three parallelograms and a single rod: the bars are parallel to the arms' axes, so that nothing turns about z.
 TEST(RoundTrip, OfTiltsThatParallelogramsCannotFollowIsRefused) {
-  const std::string yaw = R"(name = "yaw"
+  const std::string yaw = std::string(R"(name = "yaw"
 [plate]
 freedoms = ["x", "y", "z", "tilt_z"]
-[[limb]]
-kind = "arm"
-repeat = 3
-base_joint_mm = [200, 0, 0]
-plate_joint_mm = [50, 0, 0]
-arm_mm = 200
-axis = [0, -1, 0]
-arm_at_zero = [1, 0, 0]
-rod_mm = 450
-parallelogram_width_mm = 80
-[[limb]]
+)") + kThreeArms + R"([[limb]]
 kind = "arm"
 base_joint_mm = [180, 120, 0]
 plate_joint_mm = [10, 60, 0]
