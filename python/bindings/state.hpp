@@ -63,8 +63,8 @@ PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, reflector_is_at_centre,
                rotation_zero, reflectors, tolerances, common, expected, plane_slope, plane_curvature, scale_std,
                discrepancies, seeks_discrepancies, largest_doubt, noise_to_tell, tell_chance, limits, states_use, fixed,
-               free, exclude_outliers, outlier_chance, largest_chance, largest_noise_factor, largest_unstated_noise,
-               largest_absorbed, largest_use_ratio, diagnose, controller)
+               free, outlier_chance, largest_chance, largest_noise_factor, largest_unstated_noise, largest_absorbed,
+               largest_use_ratio, exclude_outliers, diagnose, controller)
 PARACAL_FIELDS(SplineKnot, centre, spacing)
 PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)
 PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, data_share, dof, held)

@@ -137,7 +137,6 @@ struct CalibrationOptions {
   bool states_use = true;                  ///< compute U over the workspace; batches of machines do not need it
   std::vector<SourceSelector> fixed = {};  ///< fixed at zero: known exactly
   std::vector<SourceSelector> free = {};   ///< estimated without a prior
-  bool exclude_outliers = true;            ///< method best: exclude outliers
   double outlier_chance = 1e-4;            ///< probability that a fit without outliers excludes a reading
   double largest_chance = 0.05;            ///< accept if the p-value of the improvement is smaller
   /// Accept up to so many times the noise that readings state: a worse instrument is broken, or was not read.
@@ -150,7 +149,8 @@ struct CalibrationOptions {
   /// Accept if no U over the workspace is more than so many times that of the uncalibrated machine. Drawn machines
   /// state U within 3 %.
   double largest_use_ratio = 1.1;
-  bool diagnose = true;  ///< for a doubtful fit, search for input mistakes (diagnosis.hpp)
+  bool exclude_outliers = true;  ///< method best: exclude outliers
+  bool diagnose = true;          ///< for a doubtful fit, search for input mistakes (diagnosis.hpp)
   /// What commanded the joints of stations that state none. `robot`, where it is set, is the caller's to apply:
   /// commanded_by().
   ControllerModel controller = {};
