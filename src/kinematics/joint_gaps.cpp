@@ -72,9 +72,9 @@ JointGaps joint_gaps(const Machine& machine, const PlateState& plate, const Join
                      const Eigen::MatrixXd& near) {
   const Stand all = least_off(machine, plate, joints);
   // What no motion of the plate closes of `near`, made orthonormal by the least turn.
-  const Eigen::MatrixXd square = near - all.by_plate * least_squares(all.by_plate, near);
+  const Eigen::MatrixXd square = near - product(all.by_plate, least_squares(all.by_plate, near));
   const Eigen::MatrixXd basis = product(square, inverse_square_root(product(square.transpose(), square)));
-  return {basis.transpose() * all.off, basis.transpose() * all.by_parameter};
+  return {product(basis.transpose(), all.off), product(basis.transpose(), all.by_parameter)};
 }
 
 }  // namespace paracal::detail

@@ -91,8 +91,8 @@ Eigen::MatrixXd Cholesky::forward(Eigen::MatrixXd B) const {
 Eigen::MatrixXd Cholesky::inverse() const {
   const Eigen::Index n = lower_.rows();
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);
-  inverse.selfadjointView<Eigen::Lower>().rankUpdate(forward(Eigen::MatrixXd::Identity(n, n)).transpose());
-  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  add_square(inverse, forward(Eigen::MatrixXd::Identity(n, n)).transpose());
+  complete_from_lower(inverse);
   return inverse;
 }
 
@@ -103,6 +103,12 @@ Eigen::VectorXd symmetric_solution(const Eigen::MatrixXd& M, const Eigen::Vector
 }
 
 Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) { return A * B; }
+
+void add_square(Eigen::MatrixXd& M, const Eigen::MatrixXd& A, double weight) {
+  M.selfadjointView<Eigen::Lower>().rankUpdate(A, weight);
+}
+
+void complete_from_lower(Eigen::MatrixXd& M) { M.triangularView<Eigen::StrictlyUpper>() = M.transpose(); }
 
 double determinant(const Eigen::MatrixXd& M) { return M.determinant(); }
 

@@ -74,6 +74,11 @@ Eigen::VectorXd symmetric_solution(const Eigen::MatrixXd& M, const Eigen::Vector
 /// A B.
 Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
+/// Adds weight A A^T to the lower triangle of a symmetric M: half of the work of the product.
+void add_square(Eigen::MatrixXd& M, const Eigen::MatrixXd& A, double weight = 1.0);
+/// Copies the lower triangle of M to the upper one.
+void complete_from_lower(Eigen::MatrixXd& M);
+
 /// det M and M^-1. Eigen::PartialPivLU.
 double determinant(const Eigen::MatrixXd& M);
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& M);

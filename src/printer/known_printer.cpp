@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "numerics/dense.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/base_motion.hpp"
 
@@ -107,7 +108,7 @@ Calibration above_bed(Calibration calibration, const KnownPrinter& known, const 
   const bool stated = known.covariance.size() > 0;
   if (stated) {
     const Eigen::MatrixXd by = by_plane_and_errors(known);
-    calibration.covariance = by * known.covariance * by.transpose();
+    calibration.covariance = detail::product(detail::product(by, known.covariance), by.transpose());
     calibration.noise_covariance = calibration.covariance;  // U = 2 std already, so all of it may count as known
     calibration.noise_dof = std::numeric_limits<double>::infinity();
   }

@@ -79,7 +79,7 @@ struct Grid {
 
   /// Without what such a motion explains.
   Eigen::VectorXd without_motion(const Eigen::VectorXd& stacked) const {
-    return stacked - motions * detail::least_squares(motions, stacked);
+    return stacked - detail::product(motions, detail::least_squares(motions, stacked));
   }
 };
 
@@ -176,8 +176,9 @@ double chance_better(const KnownPrinter& known, const DeltaGeometry& geometry, c
   if (change.norm() < kNothing * std::sqrt(static_cast<double>(std::max<Eigen::Index>(change.size(), 3)) / 3.0))
     return 0.5;
   const double gain = change.dot(2.0 * grid.machine - grid.geometry - grid.than);
-  const Eigen::VectorXd by_errors = grid.by_errors.transpose() * change;
-  const double variance = known.covariance.size() > 0 ? 4.0 * by_errors.dot(known.covariance * by_errors) : 0.0;
+  const Eigen::VectorXd by_errors = detail::product(grid.by_errors.transpose(), change);
+  const double variance =
+      known.covariance.size() > 0 ? 4.0 * by_errors.dot(detail::product(known.covariance, by_errors).col(0)) : 0.0;
   if (!(variance > 0.0)) return gain > 0.0 ? 1.0 : gain < 0.0 ? 0.0 : 0.5;
   return detail::normal_probability(gain / std::sqrt(variance));
 }
@@ -190,7 +191,7 @@ double expected_shape(const KnownPrinter& known, const DeltaGeometry& geometry) 
   if (known.covariance.size() > 0) {
     Eigen::MatrixXd shape = grid.by_errors;
     for (auto column : shape.colwise()) column = grid.without_motion(column);
-    square += (shape * known.covariance).cwiseProduct(shape).sum();
+    square += detail::product(shape, known.covariance).cwiseProduct(shape).sum();
   }
   return std::sqrt(square / static_cast<double>(places));
 }

@@ -40,20 +40,20 @@ std::vector<FailureMode> Limits::modes() const {
 void Limits::add_modes(const Eigen::MatrixXd& rows, std::vector<FailureMode>& all) const {
   Eigen::VectorXd variances(errors_.size());
   std::ranges::transform(errors_.laws, variances.begin(), [](const auto& law) { return law.std() * law.std(); });
-  const Eigen::MatrixXd covariance = rows * variances.asDiagonal() * rows.transpose();
+  const Eigen::MatrixXd covariance = product(rows * variances.asDiagonal(), rows.transpose());
   const SymmetricEigen axes = symmetric_eigen(covariance);
   const auto count = static_cast<int>(std::lround(std::pow(3.0, static_cast<double>(rows.rows()))));
   for (int k = 0; k < count; ++k) {  // backwards, not at all or forwards along each axis
     Eigen::VectorXd along(rows.rows());
     for (int j = 0, rest = k; j < rows.rows(); ++j, rest /= 3) along(j) = rest % 3 - 1;
     if (along.isZero(0.0)) continue;
-    const Eigen::VectorXd a = rows.transpose() * (axes.vectors * along.normalized());
+    const Eigen::VectorXd a = product(rows.transpose(), product(axes.vectors, along.normalized()));
     if (std::optional<FailureMode> mode = failure_mode(errors_, a)) all.push_back(std::move(*mode));
   }
 }
 
 Eigen::ArrayXd Limits::used_up(const Eigen::MatrixXd& errors) const {
-  const Eigen::MatrixXd components = drawing_.matrix() * errors;
+  const Eigen::MatrixXd components = product(drawing_.matrix(), errors);
   Eigen::ArrayXd largest = Eigen::ArrayXd::Zero(errors.cols());
   for (std::size_t k = 0; k < requirements_.size(); ++k) {
     const Eigen::ArrayXd of_this = response_.squared_lengths(k, components).colwise().maxCoeff().sqrt();
@@ -64,7 +64,7 @@ Eigen::ArrayXd Limits::used_up(const Eigen::MatrixXd& errors) const {
 
 /// The most used up first, so that what fails is soon found out.
 std::vector<Limits::Place> Limits::places_near_limits(const Eigen::VectorXd& errors, double near) const {
-  const Eigen::VectorXd components = drawing_.matrix() * errors;
+  const Eigen::VectorXd components = product(drawing_.matrix(), errors);
   std::vector<Place> places;
   for (std::size_t k = 0; k < requirements_.size(); ++k) {
     const Eigen::ArrayXd used = response_.squared_lengths(k, components).col(0).sqrt() / requirements_[k].limit;

@@ -65,6 +65,15 @@ TEST(Cholesky, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(Cholesky(M).ok());
 }
 
+TEST(Dense, SquaresAreAddedToTheLowerTriangle) {
+  const Eigen::MatrixXd A = random_matrix(5, 7, 16), start = Eigen::MatrixXd::Identity(5, 5);
+  Eigen::MatrixXd sum = start;
+  add_square(sum, A, 0.5);
+  EXPECT_TRUE(sum.isLowerTriangular(0.0));
+  complete_from_lower(sum);
+  EXPECT_LT((sum - start - 0.5 * A * A.transpose()).norm(), 1e-13);
+}
+
 TEST(Dense, InverseSquareRootAndOrthogonalFactor) {
   const Eigen::MatrixXd root = random_matrix(5, 5, 13), M = root * root.transpose();
   const Eigen::MatrixXd half = inverse_square_root(M);

@@ -88,10 +88,10 @@ CommonPart common_part(const TrialFit& fit, const std::vector<SourceErrors>& dir
     for (Eigen::Index d = 0; d < m; ++d) along(k, d) = directions[static_cast<std::size_t>(d)](one.limb, one.source);
     weighted.row(k) = precision(one) * along.row(k);
   }
-  const Eigen::MatrixXd prior = along.transpose() * weighted;
-  const Eigen::MatrixXd curvature = prior - weighted.transpose() * fit.covariance * weighted;
+  const Eigen::MatrixXd prior = product(along.transpose(), weighted);
+  const Eigen::MatrixXd curvature = prior - product(product(weighted.transpose(), fit.covariance), weighted);
   if (!(determinant(curvature) > kUnseen * prior.diagonal().prod())) return {Eigen::VectorXd::Zero(m)};
-  const Eigen::VectorXd pull = weighted.transpose() * fit.errors;
+  const Eigen::VectorXd pull = product(weighted.transpose(), fit.errors);
   const Eigen::VectorXd amounts = symmetric_solution(curvature, pull);
   return {amounts, pull.dot(amounts)};
 }

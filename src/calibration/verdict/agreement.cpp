@@ -90,7 +90,7 @@ class FollowingSetUp {
     const Eigen::MatrixXd upper = upper_of_qr(ordered);
     inverse_.resize(n, n);  // Eigen decomposes nothing that is empty
     if (n > 0) inverse_ = pseudo_inverse(upper.topLeftCorner(n, n));
-    follows_ = inverse_ * upper.topRightCorner(n, root.cols() - n);
+    follows_ = product(inverse_, upper.topRightCorner(n, root.cols() - n));
   }
 
   /// Of one number, over its noise: what is left of the noise, and of the rest.
@@ -99,8 +99,9 @@ class FollowingSetUp {
     double noise = 1.0, rest = 0.0;
   };
   Left left(const Eigen::RowVectorXd& row, const Eigen::MatrixXd& covariance) const {
-    const Eigen::RowVectorXd by_set_up = row(set_up_), by_rest = row(rest_) - by_set_up * follows_;
-    return {std::max(1.0 - (by_set_up * inverse_).squaredNorm(), 0.0), by_rest * covariance * by_rest.transpose()};
+    const Eigen::RowVectorXd by_set_up = row(set_up_), by_rest = row(rest_) - product(by_set_up, follows_);
+    return {std::max(1.0 - product(by_set_up, inverse_).squaredNorm(), 0.0),
+            product(by_rest, covariance).row(0).dot(by_rest)};
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calibration/fit/sought.hpp"
+#include "numerics/dense.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -27,7 +28,7 @@ struct Gains {
 /// (A^T A)^-1 A^T of what the rows tell; of what they do not, zero.
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& rows) {
   if (rows.cols() == 0) return Eigen::MatrixXd::Zero(0, rows.rows());
-  return analyse(rows, kRankTolerance).covariance * rows.transpose();
+  return product(analyse(rows, kRankTolerance).covariance, rows.transpose());
 }
 
 /// The set-up is whatever suits the errors best: what readings do not tell from it leaves the errors where they are.
@@ -41,10 +42,10 @@ Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales
   const Eigen::MatrixXd estimated = root(Eigen::indexing::all, first), held = root(Eigen::indexing::all, last);
   const Eigen::MatrixXd of_setup = estimated.leftCols(estimated.cols() - sought), to_setup = inverse_of(of_setup);
   const auto beside_setup = [&](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
-    return rows - of_setup * (to_setup * rows);
+    return rows - product(of_setup, product(to_setup, rows));
   };
   const Eigen::MatrixXd errors = beside_setup(estimated.rightCols(sought)), inverse = inverse_of(errors);
-  return {inverse * beside_setup(held), inverse * errors};
+  return {product(inverse, beside_setup(held)), product(inverse, errors)};
 }
 
 }  // namespace
@@ -81,8 +82,8 @@ std::vector<SoughtSource> consider_held(const Measurements& measurements, const 
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(sought + count, sought + count), noise = covariance;
   noise.topLeftCorner(sought, sought) = calibration.noise_covariance;
   covariance.topLeftCorner(sought, sought) =
-      calibration.noise_covariance + through * gain.held.transpose() +
-      open * variances(observation.sought(), tolerated).asDiagonal() * open.transpose();
+      calibration.noise_covariance + product(through, gain.held.transpose()) +
+      product(open * variances(observation.sought(), tolerated).asDiagonal(), open.transpose());
   covariance.topRightCorner(sought, count) = -through.rightCols(count);
   covariance.bottomLeftCorner(count, sought) = -through.rightCols(count).transpose();
   covariance.bottomRightCorner(count, count).diagonal() = held_variances.tail(count);

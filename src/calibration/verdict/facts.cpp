@@ -25,8 +25,8 @@ class Suspicion {
   Suspicion(const StageFit& fit, const VarianceTable& table, const VarianceTable::At& at)
       : fit_(fit), readings_(table.readings()), at_(at) {
     const auto by_parts = readings_.by_errors.leftCols(readings_.prior.rows());
-    information_ = by_parts.transpose() * (at.P * by_parts);
-    told_ = by_parts.transpose() * at.z;
+    information_ = product(by_parts.transpose(), product(at.P, by_parts));
+    told_ = product(by_parts.transpose(), at.z);
     squares_ = readings_.y.dot(at.z);
   }
 

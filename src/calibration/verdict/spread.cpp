@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "calibration/fit/pair_covariance.hpp"
+#include "numerics/dense.hpp"
 #include "numerics/distributions.hpp"
 #include "paracal/calibration/prediction.hpp"
 
@@ -33,8 +34,8 @@ Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covarianc
   constexpr double kRounding = 1e-12;  // of a variance
   InformationRoot readings(fit.observation().unknown_count());
   (void)fit.observation()(fit.fit().parameters, readings);  // closes, as the fit did
-  const Eigen::MatrixXd through = readings.root() * covariance;
-  Eigen::MatrixXd noise = through.transpose() * through;
+  const Eigen::MatrixXd through = product(readings.root(), covariance);
+  Eigen::MatrixXd noise = product(through.transpose(), through);
   for (Eigen::Index k = 0; k < noise.rows(); ++k) {
     if (noise(k, k) > kRounding * covariance(k, k)) continue;
     noise.row(k).setZero();
@@ -89,7 +90,8 @@ double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& s
   }
   const Eigen::Index n = observation.source_count();
   const Eigen::MatrixXd priors = prior_root(fit);
-  return static_cast<double>(n) - (priors * fit.covariance() * priors.transpose()).bottomRightCorner(n, n).trace();
+  return static_cast<double>(n) -
+         product(product(priors, fit.covariance()), priors.transpose()).bottomRightCorner(n, n).trace();
 }
 
 Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,

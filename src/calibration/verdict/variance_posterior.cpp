@@ -30,7 +30,7 @@ std::vector<Sample> samples_about(const WeighedTable& one) {
   for (int pair = 0; pair < kPairs; ++pair) {
     const Eigen::VectorXd z = Eigen::VectorXd::NullaryExpr(root.cols(), [&] { return random.normal(); });
     for (const double side : {1.0, -1.0}) {
-      Sample sample{one.mode.u + side * root * z};
+      Sample sample{one.mode.u + side * product(root, z)};
       const double cost = one.table.at(sample.u, false).cost;
       sample.weight = 0.5 * z.squaredNorm() - (cost + one.mode.log_density);  // its logarithm as yet
       if (std::isfinite(sample.weight)) samples.push_back(std::move(sample));
@@ -50,7 +50,8 @@ std::vector<Sample> samples_about(const WeighedTable& one) {
 /// semidefinite where a difference of covariances is lost in rounding.
 class ErrorsGivenReadings {
  public:
-  /// @param information  H of the readings, that of the set-up's priors among them, without the I of t.
+  /// @param information  H of the readings, that of the set-up's priors among them, without the I of t. Its lower
+  ///                     triangle is read.
   /// @param told  its right side.
   ErrorsGivenReadings(Eigen::MatrixXd information, const Eigen::VectorXd& told, const Eigen::MatrixXd& L)
       : sizes_(L.cols()) {
@@ -64,7 +65,7 @@ class ErrorsGivenReadings {
   const Eigen::VectorXd& mean() const { return mean_; }
   const Eigen::MatrixXd& root() const { return root_; }
   /// What changes of the right side do to the mean: x = F [K^-1 told]_t.
-  Eigen::MatrixXd gain(const Eigen::MatrixXd& told) const { return root_ * solved(told).bottomRows(sizes_); }
+  Eigen::MatrixXd gain(const Eigen::MatrixXd& told) const { return product(root_, solved(told).bottomRows(sizes_)); }
 
  private:
   Eigen::MatrixXd solved(const Eigen::MatrixXd& told) const { return K_.triangularView<Eigen::Lower>().solve(told); }
@@ -86,10 +87,11 @@ class WhitenedReadings {
 
   ErrorsGivenReadings errors() const {
     const Eigen::Index set_up = readings_.by_set_up.cols();
-    Eigen::MatrixXd information = rows_.transpose() * rows_;
-    information.topLeftCorner(set_up, set_up) += readings_.set_up_root.transpose() * readings_.set_up_root;
-    Eigen::VectorXd told = rows_.transpose() * whitened(readings_.y);
-    told.head(set_up) -= readings_.set_up_root.transpose() * readings_.set_up_reach;
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(rows_.cols(), rows_.cols());  // its lower triangle alone
+    add_square(information, rows_.transpose());
+    information.topLeftCorner(set_up, set_up) += product(readings_.set_up_root.transpose(), readings_.set_up_root);
+    Eigen::VectorXd told = product(rows_.transpose(), whitened(readings_.y));
+    told.head(set_up) -= product(readings_.set_up_root.transpose(), readings_.set_up_reach);
     return {std::move(information), told, L_};
   }
 
@@ -100,7 +102,7 @@ class WhitenedReadings {
       noise += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * table.terms()[k].readings.diagonal();
     }
     const Eigen::MatrixXd of_noise = whitened(noise.cwiseSqrt().asDiagonal());
-    return errors().gain(rows_.transpose() * of_noise).topRows(readings_.prior.rows());
+    return errors().gain(product(rows_.transpose(), of_noise)).topRows(readings_.prior.rows());
   }
 
  private:
@@ -170,17 +172,17 @@ VariancePosterior averaged(const std::vector<WeighedTable>& tables) {
       const ErrorsGivenReadings errors = WhitenedReadings(one.table, sample.u).errors();
       means.emplace_back(sample.weight, errors.mean());
       posterior.errors += sample.weight * errors.mean();
-      posterior.covariance += sample.weight * errors.root() * errors.root().transpose();
+      add_square(posterior.covariance, errors.root(), sample.weight);
       posterior.points.push_back({sample.u, sample.weight});
     }
     const Eigen::VectorXd& best = std::ranges::max_element(samples, {}, &Sample::weight)->u;
     const Eigen::MatrixXd noise = WhitenedReadings(one.table, best).noise_root(one.table, best);
-    posterior.noise += one.probability * noise * noise.transpose();
+    posterior.noise += product(one.probability * noise, noise.transpose());
   }
   for (const auto& [weight, mean] : means) {
-    const Eigen::VectorXd off = mean - posterior.errors;
-    posterior.covariance += weight * off * off.transpose();
+    add_square(posterior.covariance, mean - posterior.errors, weight);
   }
+  complete_from_lower(posterior.covariance);
   posterior.noise = within(std::move(posterior.noise), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }
@@ -197,23 +199,23 @@ VariancePosterior of_all(const StageFit& fit, const ReadingPlaces& places, const
   places.each_block(fit, 1, [&](ReadingBlock&& block) {
     Eigen::MatrixXd rows(block.rows.rows(), all);
     rows << block.rows.leftCols(set_up + n), by_drives(block, observation.joints(), drives.knots);
-    const Eigen::VectorXd y = rows.middleCols(set_up, n) * readings.fitted - block.rows.rightCols<1>();
+    const Eigen::VectorXd y = product(rows.middleCols(set_up, n), readings.fitted) - block.rows.rightCols<1>();
     const Eigen::MatrixXd weighed = cholesky_solution(some.table.covariance_of(block, u), rows);
-    information.noalias() += rows.transpose() * weighed;
-    told.noalias() += weighed.transpose() * y;
+    information += product(rows.transpose(), weighed);
+    told += product(weighed.transpose(), y);
   });
-  information.topLeftCorner(set_up, set_up) += readings.set_up_root.transpose() * readings.set_up_root;
-  told.head(set_up) -= readings.set_up_root.transpose() * readings.set_up_reach;
+  information.topLeftCorner(set_up, set_up) += product(readings.set_up_root.transpose(), readings.set_up_root);
+  told.head(set_up) -= product(readings.set_up_root.transpose(), readings.set_up_reach);
   const Eigen::MatrixXd L = some.table.root_of_errors(u);
   Eigen::MatrixXd by_sizes = Eigen::MatrixXd::Zero(all, set_up + L.cols());  // the unknowns by (a, t)
   by_sizes.topLeftCorner(set_up, set_up).setIdentity();
   by_sizes.bottomRightCorner(errors, L.cols()) = L;
-  information = by_sizes.transpose() * information * by_sizes;
-  const ErrorsGivenReadings given(information, by_sizes.transpose() * told, L);
+  information = product(product(by_sizes.transpose(), information), by_sizes);
+  const ErrorsGivenReadings given(information, product(by_sizes.transpose(), told), L);
   const Eigen::MatrixXd noise = given.gain(square_root(information)).topRows(n);
   VariancePosterior posterior{
-      .errors = given.mean(), .covariance = given.root() * given.root().transpose(), .points = {{u, 1.0}}};
-  posterior.noise = within(noise * noise.transpose(), posterior.covariance.topLeftCorner(n, n));
+      .errors = given.mean(), .covariance = product(given.root(), given.root().transpose()), .points = {{u, 1.0}}};
+  posterior.noise = within(product(noise, noise.transpose()), posterior.covariance.topLeftCorner(n, n));
   return posterior;
 }
 

@@ -130,7 +130,7 @@ void VarianceTable::add_joints(Spreads what, bool at_visits) {
     VarianceTerm term{what, joint, Eigen::MatrixXd::Zero(count, count)};
     if (!at_visits) {
       const Eigen::MatrixXd poses = by_poses(*readings_, joint);
-      term.readings.noalias() = unit * poses * poses.transpose();
+      term.readings = product(unit * poses, poses.transpose());
     }
     for (std::size_t k = 0; at_visits && k < readings_->blocks.size(); ++k) {
       const ReadingBlock& one = readings_->blocks[k];
@@ -152,8 +152,8 @@ void VarianceTable::add_joints(Spreads what, bool at_visits) {
 VarianceTerm VarianceTable::term_of_errors(Spreads what, std::vector<Eigen::Index> places,
                                            const Eigen::MatrixXd& covariance) const {
   Eigen::MatrixXd root = square_root(covariance);
-  Eigen::MatrixXd by_root = readings_->by_errors(Eigen::all, places) * root;
-  Eigen::MatrixXd readings = by_root * by_root.transpose();
+  Eigen::MatrixXd by_root = product(readings_->by_errors(Eigen::all, places), root);
+  Eigen::MatrixXd readings = product(by_root, by_root.transpose());
   return {what, -1, std::move(readings), std::move(places), std::move(root), std::move(by_root)};
 }
 
@@ -278,30 +278,33 @@ VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) 
   at.set_up.resize(0);
   Eigen::VectorXd left = all.y;
   if (set_up > 0) {
-    const Eigen::MatrixXd by = inverse * all.by_set_up;
-    const Eigen::MatrixXd information = all.by_set_up.transpose() * by + all.set_up_root.transpose() * all.set_up_root;
+    const Eigen::MatrixXd by = product(inverse, all.by_set_up);
+    const Eigen::MatrixXd information =
+        product(all.by_set_up.transpose(), by) + product(all.set_up_root.transpose(), all.set_up_root);
     const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Cholesky of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
     if (!of_set_up.ok()) return {.cost = std::numeric_limits<double>::infinity()};
-    const Eigen::VectorXd told = by.transpose() * all.y - all.set_up_root.transpose() * all.set_up_reach;
+    const Eigen::VectorXd told =
+        product(by.transpose(), all.y) - product(all.set_up_root.transpose(), all.set_up_reach);
     at.set_up = scale.asDiagonal() * of_set_up.solve(scale.asDiagonal() * told);
     const Eigen::MatrixXd scaled = by * scale.asDiagonal();
-    at.P.noalias() -= scaled * of_set_up.solve(scaled.transpose());
-    left -= all.by_set_up * at.set_up;
+    at.P -= product(scaled, of_set_up.solve(scaled.transpose()));
+    left -= product(all.by_set_up, at.set_up);
     at.cost += of_set_up.log_root() - scale.array().log().sum() +
-               0.5 * (all.set_up_root * at.set_up + all.set_up_reach).squaredNorm();
+               0.5 * (product(all.set_up_root, at.set_up) + all.set_up_reach).squaredNorm();
   }
-  at.z = inverse * left;
+  at.z = product(inverse, left);
   at.cost += 0.5 * left.dot(at.z);
   if (derivatives) {
     at.gradient.resize(n);
     Eigen::MatrixXd moved(count, n);
     for (Eigen::Index k = 0; k < n; ++k) {
       const Eigen::MatrixXd& K = terms_[static_cast<std::size_t>(k)].readings;
-      moved.col(k) = K * at.z;
+      moved.col(k) = product(K, at.z);
       at.gradient(k) = variances(k) * (K.cwiseProduct(at.P).sum() - at.z.dot(moved.col(k)));
     }
-    at.curvature = 2.0 * variances.asDiagonal() * (moved.transpose() * (at.P * moved)) * variances.asDiagonal();
+    at.curvature =
+        2.0 * variances.asDiagonal() * product(moved.transpose(), product(at.P, moved)) * variances.asDiagonal();
   }
   add_visits(variances, derivatives, at);
   add_prior(u, at);
@@ -318,7 +321,7 @@ void VarianceTable::add_visits(const Eigen::VectorXd& variances, bool derivative
     for (const auto& [term, h] : one.joints) W += variances(static_cast<Eigen::Index>(term)) * h * h.transpose();
     const Cholesky root(W);
     const Eigen::MatrixXd inverse = root.solve(Eigen::MatrixXd::Identity(rows, rows));
-    const Eigen::MatrixXd told = inverse * one.squares;
+    const Eigen::MatrixXd told = product(inverse, one.squares);
     at.cost += one.freedom * root.log_root() + 0.5 * told.trace();
     if (!derivatives) continue;
     // With R_k as columns: a joint's h, and each row of a noise by itself.
@@ -328,11 +331,11 @@ void VarianceTable::add_visits(const Eigen::VectorXd& variances, bool derivative
     for (Eigen::Index k = 0; k < joints; ++k) columns.col(rows + k) = one.joints[static_cast<std::size_t>(k)].second;
     columns.leftCols(rows).setIdentity();
     for (const auto& [term, h] : one.joints) terms.push_back(term);
-    const Eigen::MatrixXd moved = columns.transpose() * inverse * columns;
-    const Eigen::MatrixXd slope = one.freedom * inverse - told * inverse;
+    const Eigen::MatrixXd moved = product(product(columns.transpose(), inverse), columns);
+    const Eigen::MatrixXd slope = one.freedom * inverse - product(told, inverse);
     for (std::size_t k = 0; k < terms.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(terms[k]), column = static_cast<Eigen::Index>(k);
-      at.gradient(i) += variances(i) * columns.col(column).dot(slope * columns.col(column));
+      at.gradient(i) += variances(i) * columns.col(column).dot(slope.lazyProduct(columns.col(column)));
       for (std::size_t l = 0; l < terms.size(); ++l) {
         const auto j = static_cast<Eigen::Index>(terms[l]);
         at.curvature(i, j) +=
