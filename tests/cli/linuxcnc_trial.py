@@ -49,9 +49,13 @@ def joints():
     return list(state.joint_position[: state.joints])
 
 
-def switch_on():
-    tell(command.state, linuxcnc.STATE_ESTOP_RESET)
-    tell(command.state, linuxcnc.STATE_ON)
+def is_on():
+    """Or is told to be: on a busy computer motion may miss a command."""
+    if state.task_state != linuxcnc.STATE_ON:
+        tell(command.state, linuxcnc.STATE_ESTOP_RESET)
+        tell(command.state, linuxcnc.STATE_ON)
+        time.sleep(0.1)
+    return state.task_state == linuxcnc.STATE_ON
 
 
 def homed():
@@ -92,7 +96,7 @@ def carried_out(program):
 
 def main():
     programs = sys.argv[sys.argv.index("--") + 1 :]
-    switch_on()
+    until("switching on", is_on)
     result = {"homed": homed(), "homed_again": homed()}
     if programs:
         result["jogged"] = jogged()
