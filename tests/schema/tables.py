@@ -14,7 +14,7 @@ DOCUMENT = FOLDER.parent / "docs" / "json-keys.md"
 SCHEMAS = Schemas()
 HEAD = """# JSON keys
 
-Made by `tests/schema/tables.py` from the JSON Schemas in `schema/`. Do not edit: change the schema and run it again.
+Made by `tools/schemas.sh` from the JSON Schemas in `schema/`, some of them from lists of fields. Do not edit.
 
 Each section describes one result: what a command prints with `--json` or writes with `--out`.
 Formats of input files: [files.md](files.md).
@@ -129,4 +129,4 @@ if __name__ == "__main__":
     if sys.argv[1:] != ["--check"]:
         DOCUMENT.write_text(document())
     elif DOCUMENT.read_text() != document():
-        sys.exit("docs/json-keys.md is not what schema/ says: run tests/schema/tables.py")
+        sys.exit("docs/json-keys.md is not what schema/ says: run tools/schemas.sh")

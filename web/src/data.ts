@@ -3,10 +3,8 @@
 export type Vector = [number, number, number];
 export type Interval = [number, number];
 export type Assumed = string[];
-export type JointStd = number[];
 export type Residual = DistanceResidual | HeightResidual | BallBarResidual | DialResidual | PointResidual;
 export type RotationMatrix = [Vector, Vector, Vector];
-export type InputFiles = InputFile[];
 export type DeltaGeometry = LinearDelta | RotaryDelta;
 export type Contributors = Contributor[];
 export type IntervalOverMachines = [number | null, number | null];
@@ -20,7 +18,7 @@ export interface Report {
   robot: Robot;
   results: Results;
   figures: Figures;
-  inputs: InputFiles;
+  inputs: InputFile[];
 }
 export interface Robot {
   name: string;
@@ -143,10 +141,10 @@ export interface Calibration {
   covariance: number[][] | null;
   covariance_of_noise: number[][] | null;
   noise_dof: number | null;
-  joint_std_deg?: JointStd;
-  joint_std_mm?: JointStd;
-  visit_std_deg?: JointStd;
-  visit_std_mm?: JointStd;
+  joint_std_deg?: number[];
+  joint_std_mm?: number[];
+  visit_std_deg?: number[];
+  visit_std_mm?: number[];
   drives: SplineOfADrive[];
   drive_covariance: number[][] | null;
   correlations: Correlation[];
@@ -173,7 +171,7 @@ export interface Calibration {
   distance_bias_mm: number | null;
   distance_bias_std_mm: number | null;
   options: CalibrationOptions;
-  inputs: InputFiles;
+  inputs: InputFile[];
   printer?: Printer;
 }
 export interface Use {
@@ -331,7 +329,7 @@ export interface Dial {
   direction_z: number;
 }
 export interface CalibrationOptions {
-  method: "best" | "paper";
+  method: "paper" | "best";
   stage: "rough" | "fine" | "auto";
   frame: "unknown" | "robot";
   body: "unknown" | "plate";
@@ -344,7 +342,6 @@ export interface CalibrationOptions {
   height_sigma_mm: number;
   distance_bias_sigma_mm: number;
   dial_angle_sigma_deg: number | null;
-  joint_sigma?: number;
   plane_slope_sigma_rad: number | null;
   plane_curvature_sigma_per_mm: number | null;
   common: CommonError[];
@@ -358,6 +355,7 @@ export interface CalibrationOptions {
   limit_rotation_deg: number | null;
   outlier_chance: number;
   largest_chance: number;
+  joint_sigma?: number;
   tracker?: TrackerNoise;
   tolerances?: HalfWidths;
 }
@@ -696,7 +694,7 @@ export interface Yield {
   min_yield?: number;
   assumed: Assumed;
   batch: Batch;
-  inputs: InputFiles;
+  inputs: InputFile[];
 }
 export interface Fates {
   accepted: number;

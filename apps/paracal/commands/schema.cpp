@@ -63,7 +63,8 @@ class Parts {
 std::vector<std::string> schema_names() {
   std::vector<std::string> names;
   for (const detail::EmbeddedFile& file : detail::result_schemas()) {
-    if (name_of(file) != "common") names.emplace_back(name_of(file));
+    const bool has_parts_alone = name_of(file) == "common" || name_of(file) == "parts";
+    if (!has_parts_alone) names.emplace_back(name_of(file));
   }
   return names;
 }

@@ -23,7 +23,7 @@ namespace {
 
 /// mm, deg, or their share.
 constexpr plausible::Range kStd{0.0, plausible::kLimit.most};
-constexpr plausible::Range kCount{plausible::kNothing, 1e12};
+constexpr plausible::Range kFreedoms{plausible::kNothing, 1e12};
 
 /// An error that the calibration holds, and whether it was sought.
 struct ReadParameter {
@@ -317,7 +317,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
   require_within(machine.noise_covariance, machine.covariance, calibration);
   require_stated_stds(machine, actuator, calibration.at("parameters"));
   if (const auto dof = calibration.find("noise_dof")) {
-    machine.noise_dof = dof->number(kCount);
+    machine.noise_dof = dof->number(kFreedoms);
   }
   const bool slides = joint_unit(actuator) == Unit::mm;
   machine.joint_std = read_joints(calibration, slides ? "joint_std_mm" : "joint_std_deg", robot);

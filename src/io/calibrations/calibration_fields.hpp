@@ -1,0 +1,383 @@
+#pragma once
+
+// Private to io: the fields of a calibration.
+
+#include <fmt/format.h>
+
+#include "paracal/version.hpp"
+#include "part_fields.hpp"
+#include "residual_fields.hpp"
+
+namespace paracal::io {
+
+template <>
+inline constexpr std::array<std::string_view, 4> kWords<Verdict>{"accepted", "rejected", "not identifiable",
+                                                                 "not converged"};
+template <>
+inline constexpr std::array<std::string_view, 5> kWords<Cause>{"visits", "motion", "parts", "pose", "noise"};
+template <>
+inline constexpr std::array<std::string_view, 4> kWords<ControllerEvidence>{"assumed", "readings", "confirmed",
+                                                                            "stated"};
+
+enum class ParameterStatus : std::uint8_t { identified, prior, fixed };
+template <>
+inline constexpr std::array<std::string_view, 3> kWords<ParameterStatus>{"identified", "prior", "fixed"};
+
+/// An estimate in the units of files.
+struct ParameterInFile {
+  ParameterEstimate estimate;
+  Actuator actuator;
+  ParameterStatus status;
+
+  double in_file_unit(double value) const { return to_file_unit(unit(estimate.source, actuator), value); }
+  std::optional<double> in_file_unit(const std::optional<double>& value) const {
+    return value ? std::optional(in_file_unit(*value)) : std::nullopt;
+  }
+};
+
+template <>
+struct List<ParameterInFile> : OfCalibration {
+  static constexpr std::string_view kName = "parameter", kTitle = "Parameter", kMeaning = "An estimated source error.";
+  using Of = ParameterInFile;
+  template <auto kMember>
+  static auto in_file_unit(const Of& of) {
+    return of.in_file_unit(of.estimate.*kMember);
+  }
+  static std::optional<double> expanded(const Of& of) {
+    const auto& std = of.estimate.std;
+    return of.in_file_unit(std ? std::optional(of.estimate.coverage() * *std) : std::nullopt);
+  }
+  static std::optional<double> coverage(const Of& of) {
+    return of.estimate.std ? std::optional(of.estimate.coverage()) : std::nullopt;
+  }
+
+  static void fields(auto&& field) {
+    const auto source = [](const Of& of) { return name(of.estimate.source); };
+    const auto limb = [](const Of& of) { return of.estimate.limb + 1; };
+    const auto unit_in_file = [](const Of& of) { return file_unit(unit(of.estimate.source, of.actuator)); };
+    const auto dof = [](const Of& of) { return if_finite(of.estimate.dof); };
+    const auto data_share = [](const Of& of) { return of.estimate.data_share; };
+    field("name", source, "", Form{.refers = "common.schema.json#/$defs/parameter_name"});
+    field("limb", limb, "", Form{.refers = "common.schema.json#/$defs/limb_number"});
+    field("value", &in_file_unit<&ParameterEstimate::value>, "estimate, actual - nominal");
+    field("unit", unit_in_file, "", Form{.refers = "common.schema.json#/$defs/unit"});
+    field("std", &in_file_unit<&ParameterEstimate::std>, "standard uncertainty; null: not available", kSize);
+    field("U", &expanded, "expanded uncertainty k std, about 95 %", kSize);
+    field("k", &coverage, "coverage factor from Student's t with dof degrees of freedom", kNotNegative);
+    field("dof", dof, "degrees of freedom of std; null: many", kNotNegative);
+    field("status", &Of::status,
+          "identified: the readings give at least half of the information; prior: less, or not estimated (its "
+          "tolerance counts); fixed: known exactly");
+    field("prior_std", &in_file_unit<&ParameterEstimate::prior_std>,
+          "standard deviation of its tolerance; null: no prior", kSize);
+    field("expected", &in_file_unit<&ParameterEstimate::expected>,
+          "centre of the tolerance: zero, except for printers, whose nominal robot has the dimensions of the "
+          "firmware");
+    field("data_share", data_share, "1 - std²/prior_std²");
+  }
+};
+
+enum class Kept : std::uint8_t { yes, no };
+template <>
+inline constexpr std::array<std::string_view, 2> kWords<Kept>{"kept", "not kept"};
+
+/// A quantity in mm or deg.
+struct UseInFile {
+  UseQuantity quantity;
+  double factor = 1.0;
+};
+
+template <>
+struct List<UseInFile> : OfCalibration {
+  static constexpr std::string_view kName = "use_quantity", kTitle = "Use quantity",
+                                    kMeaning = "U of one quantity anywhere in the workspace, against its limit.";
+  static void fields(auto&& field) {
+    const auto U = [](const UseInFile& of) { return of.quantity.U * of.factor; };
+    const auto limit = [](const UseInFile& of) {
+      return of.quantity.limit ? std::optional(*of.quantity.limit * of.factor) : std::nullopt;
+    };
+    const auto verdict = [](const UseInFile& of) {
+      return of.quantity.limit ? std::optional(of.quantity.kept() ? Kept::yes : Kept::no) : std::nullopt;
+    };
+    field("U", U, "95 % of such machines have smaller errors everywhere in the workspace", kSize);
+    field("limit", limit, "null: none was set", kNotNegative);
+    field("verdict", verdict, "null: no limit was set");
+  }
+};
+
+template <>
+struct List<Use> : OfCalibration {
+  static constexpr std::string_view kName = "use", kTitle = "Use", kMeaning = "Uncertainty over the workspace.";
+  static void fields(auto&& field) {
+    const auto distance = [](const Use& use) { return UseInFile{use.distance}; };
+    const auto aligned = [](const Use& use) { return UseInFile{use.aligned}; };
+    const auto rotation = [](const Use& use) {
+      return use.rotation ? std::optional(UseInFile{*use.rotation, kDegrees}) : std::nullopt;
+    };
+    field("distance_mm", distance, "of the distance to home");
+    field("aligned_mm", aligned, "of the position after the best alignment");
+    field("rotation_deg", rotation, "rotation from home; null: a plate that does not rotate");
+  }
+};
+
+template <>
+struct List<Component> : OfCalibration {
+  static constexpr std::string_view kName = "component", kTitle = "Cause", kMeaning = "";
+  static void fields(auto&& field) {
+    field("cause", &Component::cause,
+          "joints that do not repeat, joints or drives that are off, parts, a pose, or the noise of "
+          "an instrument");
+    field("text", &Component::text, "in words");
+    field("probability", &Component::probability, "after the readings", kShare);
+    field("told", &Component::told, "true: the notes contain it");
+  }
+};
+
+enum class JointUnit : std::uint8_t { deg, mm };
+template <>
+inline constexpr std::array<std::string_view, 2> kWords<JointUnit>{"deg", "mm"};
+
+/// A spline in the unit of the joint.
+struct SplineInFile {
+  SoughtSource spline;
+  Unit unit;
+};
+
+template <>
+struct List<SplineInFile> : OfCalibration {
+  static constexpr std::string_view kName = "drive_spline", kTitle = "Spline of a drive", kMeaning = "";
+  static void fields(auto&& field) {
+    using Of = SplineInFile;
+    const auto limb = [](const Of& of) { return of.spline.limb + 1; };
+    const auto unit = [](const Of& of) { return of.unit == Unit::mm ? JointUnit::mm : JointUnit::deg; };
+    const auto centre = [](const Of& of) { return to_file_unit(of.unit, of.spline.knot->centre); };
+    const auto spacing = [](const Of& of) { return to_file_unit(of.unit, of.spline.knot->spacing); };
+    field("limb", limb, "its limb", Form{.least = 1.0});
+    field("unit", unit, "of the joint");
+    field("centre", centre, "joint coordinate where the spline is largest (2/3)");
+    field("spacing", spacing, "to the next one; it is 0 beyond two of them", kNotNegative);
+  }
+};
+
+/// A pair of parameters by their names.
+struct CorrelationInFile {
+  std::string one, other;
+  double value;
+};
+
+template <>
+struct List<CorrelationInFile> : OfCalibration {
+  static constexpr std::string_view kName = "correlation", kTitle = "Correlation", kMeaning = "";
+  static void fields(auto&& field) {
+    using Of = CorrelationInFile;
+    field("one", &Of::one, "parameter name with the limb at its end: alpha01 is alpha0 of limb 1");
+    field("other", &Of::other, "the same");
+    field("value", &Of::value, "at least 0.9 in size");
+  }
+};
+
+enum class StageDone : std::uint8_t { rough, fine };
+template <>
+inline constexpr std::array<std::string_view, 2> kWords<StageDone>{"rough", "fine"};
+
+template <>
+struct List<StageReport> : OfCalibration {
+  static constexpr std::string_view kName = "stage", kTitle = "Stage report", kMeaning = "";
+  static void fields(auto&& field) {
+    const auto stage = [](const StageReport& of) { return of.name == "fine" ? StageDone::fine : StageDone::rough; };
+    const auto condition = [](const StageReport& of) { return if_finite(of.condition); };
+    field("name", stage, "of the stage");
+    field("iterations", &StageReport::iterations, "of least squares", kNotNegative);
+    field("converged", &StageReport::converged, "least squares converged");
+    field("rank", &StageReport::rank, "rank for the estimated parameters", kCount);
+    field("condition", condition,
+          "largest over smallest singular value of the column-scaled Jacobian; null: the stage is not determined",
+          kNotNegative);
+    field("residual_rms_mm", &StageReport::rms_distance, "after it", kNotNegative);
+  }
+};
+
+template <>
+struct List<ControllerModel> : OfCalibration {
+  static constexpr std::string_view
+      kName = "controller",
+      kTitle = "Commanding controller",
+      kMeaning = "The controller that computed the joints of the commanded poses, as far as it is known.";
+  static void fields(auto&& field) {
+    using Of = ControllerModel;
+    const auto source = [](const Of& of) { return of.source.empty() ? std::nullopt : std::optional(of.source); };
+    const auto robot = [](const Of& of) { return of.robot ? std::optional(to_json(*of.robot)) : std::nullopt; };
+    field("joints", &Of::evidence,
+          "source of its dimensions: assumed, from readings with joints, from displayed joints, or stated");
+    field("source", source, "file that confirmed or stated them");
+    field("robot", robot, "the robot whose dimensions it uses; null: the nominal robot",
+          Form{.refers = "robot.schema.json"});
+  }
+};
+
+/// A calibration and the time of its file, seconds since 1970.
+struct CalibrationInFile {
+  const Calibration& of;
+  std::int64_t time = 0;
+
+  /// Sought parameters first, then the sources that the fit held where they were expected.
+  std::vector<ParameterInFile> parameters() const;
+  std::vector<CorrelationInFile> correlations() const;
+  std::vector<SplineInFile> splines() const;
+  std::vector<ResidualInFile> residuals() const;
+  /// Of the parameters, or of the splines with all of them, in deg instead of rad.
+  std::optional<Eigen::MatrixXd> in_file_units(const Eigen::MatrixXd& covariance) const;
+  /// Empty where joints have the other unit.
+  std::optional<Eigen::VectorXd> joints_in(Unit joint, const Eigen::VectorXd& std) const;
+
+  template <LengthKind kKind>
+  std::vector<SetUpInFile<kKind>> set_ups() const {
+    std::vector<SetUpInFile<kKind>> found;
+    for (const FoundSetUp& one : of.set_ups) {
+      if (one.kind == kKind) found.push_back({one});
+    }
+    return found;
+  }
+};
+
+template <>
+struct List<CalibrationInFile> : OfCalibration {
+  static constexpr std::string_view kName = "", kTitle = "Calibration",
+                                    kMeaning = "What `calibrate --json` prints and `--out` saves. Angles are in deg.";
+  using Of = CalibrationInFile;
+
+  /// Keys that stand for each other.
+  static Json one_of() {
+    return {{{"required", {"joint_std_deg", "visit_std_deg"}}}, {{"required", {"joint_std_mm", "visit_std_mm"}}}};
+  }
+
+ private:
+  template <auto kMember>
+  static const auto& member(const Of& in_file) {
+    return in_file.of.*kMember;
+  }
+  template <auto kMember>
+  static auto covariance(const Of& in_file) {
+    return in_file.in_file_units(in_file.of.*kMember);
+  }
+  template <Unit kUnit, auto kMember>
+  static auto joints(const Of& in_file) {
+    return in_file.joints_in(kUnit, in_file.of.*kMember);
+  }
+
+  static void of_file(auto&& field) {
+    const auto format = [](const Of&) { return kCalibrationFormat; };
+    const auto program = [](const Of&) { return fmt::format("paracal {}", version()); };
+    const auto built = [](const Of&) { return build(); };
+    const auto date = [](const Of& in_file) { return utc(in_file.time); };
+    field("format", format, "of the file", Form{.only = kCalibrationFormat});
+    field("program", program, "", Form{.refers = "common.schema.json#/$defs/program"});
+    field("build", built, "", Form{.refers = "common.schema.json#/$defs/build"});
+    field("date", date, "", Form{.refers = "common.schema.json#/$defs/date"});
+  }
+
+  static void of_verdict(auto&& field) {
+    const auto accepted = [](const Of& in_file) { return in_file.of.accepted(); };
+    field("accepted", accepted, "true: the calibration meets all criteria");
+    field("verdict", &member<&Calibration::verdict>, "one word");
+    field("reasons", &member<&Calibration::reasons>, "why it is not accepted; input mistakes first");
+    field("use", &member<&Calibration::use>, "of any single visit of a pose; null: no covariance is available");
+    field("use_mean", &member<&Calibration::use_mean>, "the same of the mean of many visits");
+    field("notes", &member<&Calibration::notes>, "remarks on the result");
+    field("assumed", &member<&Calibration::assumed>, "", Form{.refers = "common.schema.json#/$defs/assumed"});
+    field("components", &member<&Calibration::components>,
+          "causes of what noise, tolerances and geometry do not explain, most probable first; no uncertainty "
+          "depends on them");
+  }
+
+  static void of_machine(auto&& field) {
+    const auto robot = [](const Of& in_file) { return to_json(in_file.of.robot); };
+    const auto controller = [](const Of& in_file) { return in_file.of.options.controller; };
+    const auto noise_dof = [](const Of& in_file) { return if_finite(in_file.of.noise_dof); };
+    constexpr Form kJoints{.least = 0.0, .may_lack = true};
+    field("robot", robot, "the nominal robot", Form{.refers = "robot.schema.json"});
+    field("controller", controller, "");
+    field("parameters", &Of::parameters, "estimated parameters first");
+    field("covariance", &covariance<&Calibration::covariance>,
+          "covariance of the parameters that are not fixed, in their order and units; null: not available");
+    field("covariance_of_noise", &covariance<&Calibration::noise_covariance>,
+          "the part of the covariance that comes from the noise of the readings");
+    field("noise_dof", noise_dof, "degrees of freedom of this noise; null: it is known");
+    field("joint_std_deg", &joints<Unit::rad, &Calibration::joint_std>,
+          "standard deviation of what each joint is off at each pose, the same at each visit; empty: not "
+          "estimated",
+          kJoints);
+    field("joint_std_mm", &joints<Unit::mm, &Calibration::joint_std>, "the same of linear actuators", kJoints);
+    field("visit_std_deg", &joints<Unit::rad, &Calibration::visit_std>,
+          "standard deviation of what each joint is off anew at each visit: repeatability", kJoints);
+    field("visit_std_mm", &joints<Unit::mm, &Calibration::visit_std>, "the same of linear actuators", kJoints);
+    field("drives", &Of::splines, "cubic B-splines along each joint: how its drive may be uneven");
+    field("drive_covariance", &covariance<&Calibration::drive_covariance>,
+          "a row for each spline: mean squares with the parameters that are not fixed, then with the splines, in "
+          "their units; null: not available");
+    field("correlations", &Of::correlations, "pairs, strongest first");
+  }
+
+  static void of_fit(auto&& field) {
+    const auto coverage = [](const Of&) { return kCoverageFactor; };
+    const auto rms = [](const Of& in_file) {
+      const PoseErrorSummary& after = in_file.of.after;
+      return after.reads_distances ? std::optional(after.rms_distance) : std::nullopt;
+    };
+    field("coverage_factor", coverage, "2: k where a standard deviation is known", Form{.least = 1.0, .most = 1000.0});
+    field("rank", &member<&Calibration::rank>, "how many parameters the readings determine", kCount);
+    field("null_space", &member<&Calibration::null_space>, "directions that these measurements do not determine");
+    field("stages", &member<&Calibration::stages>, "rough, then fine if the readings determine enough");
+    field("residual_rms_mm", rms,
+          "of the distances to home (points) or of the distances read, after calibration; null: neither was read",
+          kNotNegative);
+    field("readings", &member<&Calibration::readings>, "number of readings; more than 20,000 are not listed one by one",
+          kCount);
+    field("noise_mm", &member<&Calibration::noise>,
+          "standard deviation of a coordinate (of a distance where no points were read), root mean square over "
+          "the readings",
+          kSize);
+    field("orientation_noise_deg", &member<&Calibration::orientation_noise>,
+          "standard deviation of a body's orientation about each axis; null: none was read",
+          Form{.factor = kDegrees, .least = 0.0, .most = kLargest});
+    field("degrees_of_freedom", &member<&Calibration::degrees_of_freedom>, "redundancy of the readings", kCount);
+    field("unit_weight_std", &member<&Calibration::unit_weight_std>,
+          "ratio of the scatter of the residuals to the assumed noise", kSize);
+    field("fit_probability", &member<&Calibration::fit_probability>,
+          "p-value: probability that correct readings scatter more than these; null: not all sigmas are known", kShare);
+    field("chance", &member<&Calibration::chance>, "probability that noise alone improves the fit this much", kShare);
+  }
+
+  static void of_readings(auto&& field) {
+    const auto options = [](const Of& in_file) {
+      return OptionsInFile{in_file.of.options, in_file.of.robot.geometry()};
+    };
+    const auto printer = [](const Of&) { return std::optional<Json>(); };  // the command adds it
+    field("before", &member<&Calibration::before>, "against the nominal machine");
+    field("after", &member<&Calibration::after>, "against the calibrated machine");
+    field("residuals", &Of::residuals, "one entry per reading", Form{.title = "Residual"});
+    field("suspects", &member<&Calibration::suspects>, "worst first");
+    field("frames", &member<&Calibration::frames>, "one entry per series");
+    field("planes", &Of::set_ups<LengthKind::height>, "one entry per plane below heights");
+    field("ball_bars", &Of::set_ups<LengthKind::ball_bar>, "one entry per fixed point");
+    field("dials", &Of::set_ups<LengthKind::dial>, "one entry per dial");
+    field("distance_bias_mm", &member<&Calibration::distance_bias>,
+          "common error of all distances (positive: read too long); null: not estimated");
+    field("distance_bias_std_mm", &member<&Calibration::distance_bias_std>, "its standard uncertainty", kSize);
+    field("options", options, "");
+    field("inputs", &member<&Calibration::files>, kInputs);
+    field("printer", printer, "only from `calibrate --printer`",
+          Form{.refers = "printer.schema.json", .may_lack = true});
+  }
+
+ public:
+  static void fields(auto&& field) {
+    of_file(field);
+    of_verdict(field);
+    of_machine(field);
+    of_fit(field);
+    of_readings(field);
+  }
+};
+
+}  // namespace paracal::io
