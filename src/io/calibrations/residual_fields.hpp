@@ -4,13 +4,9 @@
 
 #include <algorithm>
 
-#include "part_fields.hpp"
+#include "estimate_fields.hpp"
 
 namespace paracal::io {
-
-struct OfCalibration {
-  static constexpr std::string_view kFile = "calibration.schema.json";
-};
 
 inline constexpr std::string_view kExcluded = "excluded from the fit", kByCalibrated = "by the calibrated machine";
 inline constexpr std::string_view kRotationBefore =
