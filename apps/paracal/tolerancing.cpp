@@ -23,6 +23,13 @@ std::optional<double> AngleOption::value() const {
   return zone.empty() ? rad : turn_within(zone);
 }
 
+AngleUnit AngleOption::unit() const {
+  if (deg) return {to_degrees(1.0), "deg"};
+  if (zone.empty()) return {};
+  const std::string length = zone.substr(zone.find('/') + 1);  // as it was checked
+  return {std::stod(length), fmt::format("mm over {} mm", length)};
+}
+
 namespace {
 
 Rule zone_validator() {
@@ -58,6 +65,13 @@ Shown shown(Quantity quantity, double value) {
   return {value, "rad"};
 }
 
+Shown shown(const Requirement& requirement, double value, const AngleUnit& angles) {
+  const Quantity quantity = requirement.characteristic.quantity;
+  if (unit(quantity) == Unit::mm || quantity == Quantity::rotation) return shown(quantity, value);
+  const AngleUnit unit = requirement.is_in_degrees ? AngleUnit{to_degrees(1.0), "deg"} : angles;
+  return {unit.per_rad * value, unit.name};
+}
+
 std::string json_key(Characteristic characteristic) {
   std::string key = name(characteristic);
   std::ranges::replace(key, '-', '_');
@@ -71,6 +85,27 @@ std::string pose_text(const Robot& robot, const Pose& pose) {
   if (!robot.commands_tilt()) return place;
   const Eigen::Vector3d tilt = pose.tilt.unaryExpr([](double angle) { return std::round(to_degrees(angle)) + 0.0; });
   return fmt::format("{}, tilted by ({:.0f}, {:.0f}, {:.0f}) deg", place, tilt.x(), tilt.y(), tilt.z());
+}
+
+namespace {
+
+/// The next smaller number of so many digits; itself where it has few.
+double rounded_down(double value) {
+  constexpr int kTyped = 6, kDigits = 2;  // nobody types more; a drawing states two or three
+  if (value <= 0.0 || std::stod(fmt::format("{:.{}g}", value, kTyped)) == value) return value;
+  const double size = std::pow(10.0, std::floor(std::log10(value)) - (kDigits - 1));
+  return std::stod(fmt::format("{:.{}g}", size * std::floor(value / size), kDigits));
+}
+
+}  // namespace
+
+Tolerances rounded_down(const Robot& robot, Tolerances chosen, const Tolerances& rest) {
+  for (const Source source : sources_of(robot.geometry())) {
+    if (chosen[source] == rest[source]) continue;
+    const Unit unit = paracal::unit(source, robot.actuator());
+    chosen[source] = from_file_unit(unit, rounded_down(to_file_unit(unit, chosen[source])));
+  }
+  return chosen;
 }
 
 io::Json tilt_group_json(const PerSource& values) {

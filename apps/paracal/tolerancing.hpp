@@ -18,12 +18,19 @@ Tolerances tolerances_of(const Robot& robot, const std::string& file);
 
 constexpr double kUsualMaxTilt = 1e-3;  ///< rad: that of the paper
 
+/// The unit of angles in a text: that in which the user gave a limit.
+struct AngleUnit {
+  double per_rad = 1.0;
+  std::string name = "rad";  ///< or "deg", "mm over 100 mm"
+};
+
 /// An angle that is given in one of three ways.
 struct AngleOption {
   std::optional<double> rad = {}, deg = {};
   std::string zone = {};  ///< "0.1/100", mm over mm
   /// rad; empty where none was given.
   std::optional<double> value() const;
+  AngleUnit unit() const;
 };
 /// STEM-deg and STEM-mm beside an option in rad; each excludes the others.
 /// @returns all three.
@@ -33,9 +40,11 @@ std::array<Option*, 3> add_angle_options(Command& command, AngleOption& angle, c
 /// A value of a quantity in the units of screens and JSON keys: mm, rad for tilt and twist, deg for rotation.
 struct Shown {
   double value = 0.0;
-  const char* unit = "";
+  std::string unit;
 };
 Shown shown(Quantity quantity, double value);
+/// The same in a text, for a limit that may have been given in other units.
+Shown shown(const Requirement& requirement, double value, const AngleUnit& angles);
 /// "tilt_rad", "position_compensated_mm", "rotation_deg".
 std::string json_key(Characteristic characteristic);
 
@@ -44,6 +53,11 @@ std::string pose_text(const Robot& robot, const Pose& pose);
 
 /// The tilt group in the paper's units: the six keys of the contract.
 io::Json tilt_group_json(const PerSource& values);
+
+/// Tolerances for a text: the chosen ones of more digits than anybody types, rounded down to two, so that limits stay
+/// kept.
+/// @param rest  as they were stated: what did not change was not chosen.
+Tolerances rounded_down(const Robot& robot, Tolerances chosen, const Tolerances& rest);
 
 /// Adds `half_widths`, as a table of tolerances has them, and `drawing`, what they are there.
 void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances);

@@ -159,6 +159,48 @@ TEST_F(ToleranceCommands, ALimitOnTheTiltOfABatchIsInRadDegOrMmOverALength) {
   EXPECT_EQ(folder.run("yield --machines 1 --max-tilt-rad 0.01 --max-tilt-deg 0.1").exit_code, kWrongUsage);
 }
 
+/// Of one command, in the text, that the same limit in rad gives in rad.
+TEST_F(ToleranceCommands, ALimitIsAnsweredInItsUnit) {
+  const auto text = [&](const std::string& command) { return folder.run(command).out; };
+  const std::string in_deg = text("tolerance allocate --max-tilt-deg 0.0572957795");
+  EXPECT_THAT(in_deg, AllOf(HasSubstr(" 3 sigma), deg\n"), HasSubstr("alpha2                       0.014\n"),
+                            HasSubstr("tilt (statistical): 0.05143 of 0.0573 deg at"), Not(HasSubstr("mrad")), Not(HasSubstr(" rad "))));
+  const std::string over_a_length = text("tolerance allocate --max-tilt-mm 0.2/200");
+  EXPECT_THAT(over_a_length,
+              AllOf(HasSubstr(" 3 sigma), mm over 200 mm\n"), HasSubstr("alpha2                       0.049\n"),
+                    HasSubstr("tilt (statistical): 0.1795 of 0.2 mm over 200 mm at")));
+  EXPECT_THAT(text("tolerance allocate --max-tilt 0.001"),
+              AllOf(HasSubstr("), mrad\n"), HasSubstr("alpha2                      0.245\n"),
+                    HasSubstr("tilt (statistical): 0.0008976 of 0.001 rad at")));
+  const std::string few = " --sigma-error 0.2 --failure-error 0.5";
+  EXPECT_THAT(text("tolerance analyze --max-tilt-deg 0.05" + few), HasSubstr("\ntilt, deg: limit 0.05\n"));
+  EXPECT_THAT(text("yield --machines 1 --max-tilt-mm 1/100"), HasSubstr("\n  tilt, mm over 100 mm"));
+  folder.write("problem.toml", replaced(kProblem, "limit_rad = 0.001", "limit_deg = 0.05"));
+  EXPECT_THAT(text("tolerance allocate --problem problem.toml"),
+              AllOf(HasSubstr(" of 0.05 deg at"), HasSubstr(" of 0.4 mm at")));
+  EXPECT_THAT(text("tolerance analyze --problem problem.toml" + few), HasSubstr("\ntilt, deg: limit 0.05\n"));
+}
+
+/// Two digits, never wider; what was stated stays as it was.
+TEST_F(ToleranceCommands, ChosenTolerancesArePrintedAsADrawingStatesThem) {
+  folder.write("stated.toml", "alpha0_deg = \"parallelism 0.02/100\"\ne_mm = 0.1234567\nothers = \"generous\"\n");
+  const std::string printed =
+      folder.run("tolerance allocate --bound true-maximum --tolerances stated.toml --toml chosen.toml").out;
+  EXPECT_THAT(printed, AllOf(HasSubstr("\ne_mm = 0.1234567 "), HasSubstr("parallelism 0.02/100 to the base plane"),
+                             HasSubstr("\nalpha2_deg = 0.015 ")));
+  folder.write("printed.toml", printed.substr(printed.find("[tolerances]")));
+  const json half_widths = json_from("sensitivity --tolerances chosen.toml").at("half_widths"),
+             rounded = json_from("sensitivity --tolerances printed.toml").at("half_widths");
+  int smaller = 0;
+  for (const auto& [key, value] : half_widths.items()) {
+    if (!value.is_number()) continue;
+    EXPECT_LE(rounded.at(key).get<double>(), value.get<double>()) << key;
+    EXPECT_GT(rounded.at(key).get<double>(), 0.9 * value.get<double>()) << key;
+    smaller += rounded.at(key) != value;
+  }
+  EXPECT_EQ(smaller, 6);
+}
+
 TEST_F(ToleranceCommands, AProblemOfSeveralRequirements) {
   folder.write("problem.toml", kProblem);
   const json found = json_from("tolerance allocate --problem problem.toml --toml chosen.toml");

@@ -23,9 +23,13 @@ struct ToleranceAllocateArguments {
 
 bool is_general(const ToleranceAllocateArguments& options) { return !options.problem.empty(); }
 
-Allocation allocated(const ToleranceAllocateArguments& options, const Robot& robot) {
-  const Tolerances rest = options.tolerances.empty() ? paracal::tolerances_of(robot)
-                                                     : io::read_tolerances(io::read_stored(options.tolerances), robot);
+/// Of the parts that are not chosen.
+Tolerances rest_of(const ToleranceAllocateArguments& options, const Robot& robot) {
+  return options.tolerances.empty() ? paracal::tolerances_of(robot)
+                                    : io::read_tolerances(io::read_stored(options.tolerances), robot);
+}
+
+Allocation allocated(const ToleranceAllocateArguments& options, const Tolerances& rest, const Robot& robot) {
   if (is_general(options)) {
     const io::TextFile file = io::read_stored(options.problem);
     const AllocationProblem problem = io::read_allocation_problem(file, rest, robot);
@@ -41,21 +45,29 @@ Allocation allocated(const ToleranceAllocateArguments& options, const Robot& rob
                      .rest = rest});
 }
 
-std::string text_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
+std::string tilt_group_text(const AngleUnit& angles, const Robot& robot, const Allocation& allocation) {
+  const bool in_mrad = angles.per_rad == 1.0;
+  std::string text =
+      fmt::format("tolerances that affect tilt (half-widths, 3 sigma), {}\n", in_mrad ? "mrad" : angles.name);
+  const io::Json group = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
+  for (const auto& [key, value] : group.items()) {
+    const double shown = value.get<double>() * (in_mrad ? 1e3 : angles.per_rad);
+    text += in_mrad ? fmt::format("  {:<25}{:>8.3f}\n", key, shown) : fmt::format("  {:<25}{:>#9.2g}\n", key, shown);
+  }
+  return text;
+}
+
+std::string text_of(const ToleranceAllocateArguments& options, const Robot& robot, const Tolerances& rest,
+                    const Allocation& allocation) {
+  const AngleUnit angles = options.max_tilt.unit();
   std::string text =
       fmt::format("{}: {}\ncost {:.6g}\n", name(allocation.status),
                   allocation.reason.empty() ? "every limit is kept" : allocation.reason, allocation.cost);
   const auto out = std::back_inserter(text);
-  if (!is_general(options)) {
-    fmt::format_to(out, "tolerances that affect tilt (half-widths, 3 sigma), mrad\n");
-    const io::Json group = tilt_group_json(half_widths(allocation.tolerances) / paper_units(robot));
-    for (const auto& [key, value] : group.items()) {
-      fmt::format_to(out, "  {:<25}{:>8.3f}\n", key, 1e3 * value.get<double>());
-    }
-  }
+  if (!is_general(options)) text += tilt_group_text(angles, robot, allocation);
   for (const RequirementOutcome& one : allocation.requirements) {
-    const Quantity quantity = one.requirement.characteristic.quantity;
-    const Shown worst = shown(quantity, one.worst.value), limit = shown(quantity, one.requirement.limit);
+    const Shown worst = shown(one.requirement, one.worst.value, angles);
+    const Shown limit = shown(one.requirement, one.requirement.limit, angles);
     fmt::format_to(out, "{} ({}): {:.4g} of {:.4g} {} at {}; a limit 1 % wider would save {:.3g}\n",
                    name(one.requirement.characteristic), name(one.requirement.criterion), worst.value, limit.value,
                    worst.unit, pose_text(robot, one.worst.pose), 0.01 * one.price * one.requirement.limit);
@@ -63,8 +75,8 @@ std::string text_of(const ToleranceAllocateArguments& options, const Robot& robo
   if (allocation.failures) text += failure_line(*allocation.failures);
   if (allocation.failure_price > 0.0)
     text += fmt::format("  twice the failure rate would save about {:.3g}\n", allocation.failure_price);
-  text += assumed_lines(allocation.tolerances.assumed) + "\n" + io::tolerances_toml(allocation.tolerances, robot);
-  return text;
+  return text + assumed_lines(allocation.tolerances.assumed) + "\n" +
+         io::tolerances_toml(rounded_down(robot, allocation.tolerances, rest), robot);
 }
 
 io::Json json_of(const ToleranceAllocateArguments& options, const Robot& robot, const Allocation& allocation) {
@@ -108,13 +120,14 @@ void write_page(const ToleranceAllocateArguments& options, Session& session, con
 void run(const ToleranceAllocateArguments& options, Session& session) {
   const Robot robot = session.robot();
   if (!is_general(options)) require_level(robot, "tolerance allocate without --problem");
-  const Allocation allocation = allocated(options, robot);
+  const Tolerances rest = rest_of(options, robot);
+  const Allocation allocation = allocated(options, rest, robot);
   if (!options.toml.empty() && allocation.ok())
     session.outputs.store.write(options.toml, io::tolerances_toml(allocation.tolerances, robot));
   if (!allocation.ok()) session.exit_code = kVerdictIsNo;
   if (!options.report->empty()) write_page(options, session, robot, allocation);
   session.json() ? session.print_json(json_of(options, robot, allocation))
-                 : session.print(text_of(options, robot, allocation));
+                 : session.print(text_of(options, robot, rest, allocation));
 }
 
 }  // namespace

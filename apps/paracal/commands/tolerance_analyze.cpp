@@ -143,9 +143,8 @@ std::string text_of(const ToleranceAnalyzeArguments& options, const Robot& robot
   for (std::size_t k = 0; k < found.analyses.size(); ++k) {
     const RequirementAnalysis& one = found.analyses[k];
     const RequirementStatistics& drawn = batch.requirements[k];
-    const Quantity quantity = one.requirement.characteristic.quantity;
-    const double factor = shown(quantity, 1.0).value;
-    fmt::format_to(out, "\n{}, {}: limit {:.4g}\n", name(one.requirement.characteristic), shown(quantity, 0.0).unit,
+    const auto [factor, unit] = shown(one.requirement, 1.0, options.max_tilt.unit());
+    fmt::format_to(out, "\n{}, {}: limit {:.4g}\n", name(one.requirement.characteristic), unit,
                    factor * one.requirement.limit);
     if (!found.of_each.empty()) text += failure_line(found.of_each[k]);
     fmt::format_to(out, "  3 sigma, RSS         {:>10.4g}  at {}\n", factor * one.three_sigma.value,

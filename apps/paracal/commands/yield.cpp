@@ -25,7 +25,7 @@ namespace {
 constexpr double kUsualRotationNoise = 0.3;  // deg: rotational repeatability in [huang2016, section 5.2]
 constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000'000;
 
-/// A row of the table, and the option that judges it.
+/// A row of the table, and the option that judges it. Tilt has the unit of its limit.
 struct Row {
   ErrorKind kind;
   const char *text, *option;
@@ -181,7 +181,7 @@ std::string spread_line(const ErrorSpread& spread, double factor, double confide
   return text;
 }
 
-std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence) {
+std::string accuracy_table(const Batch& batch, const Tally& tally, double confidence, const AngleUnit& tilts) {
   std::string text = fmt::format(
       "  largest error of a machine over {} poses: percentiles\n"
       "  {:<22}{:8}{:>11}{:>11}{:>11}{:>11}{:>11}   {} interval of the 95 % percentile\n",
@@ -191,8 +191,11 @@ std::string accuracy_table(const Batch& batch, const Tally& tally, double confid
   for (const Row& row : kRows) {
     if (!is_shown(row.kind, batch.robot)) continue;
     const ErrorSpread before(tally, {.kind = row.kind, .after = false}), after(tally, {.kind = row.kind});
-    text += fmt::format("  {:<22}", row.text) + spread_line(before, row.factor, confidence, "before");
-    text += fmt::format("  {:<22}", "") + spread_line(after, row.factor, confidence, "after");
+    const bool is_tilt = row.kind == ErrorKind::tilt;
+    const double factor = is_tilt ? tilts.per_rad : row.factor;
+    text += fmt::format("  {:<22}", is_tilt ? "tilt, " + tilts.name : row.text) +
+            spread_line(before, factor, confidence, "before");
+    text += fmt::format("  {:<22}", "") + spread_line(after, factor, confidence, "after");
     for (const ErrorSpread* one : {&before, &after}) {
       is_known = is_known && std::isfinite(one->quantile_interval(0.9973, confidence).high);
     }
@@ -235,7 +238,8 @@ std::string text_of(const YieldArguments& options, const Batch& batch, const job
       out, "  calibrations: {} accepted, {} rejected, {} not identifiable, {} not converged; {} cannot reach a pose\n",
       tally.of(Fate::accepted), tally.of(Fate::rejected), tally.of(Fate::not_identifiable),
       tally.of(Fate::not_converged), tally.of(Fate::does_not_close));
-  text += way_line(tally, options.confidence) + accuracy_table(batch, tally, options.confidence);
+  text +=
+      way_line(tally, options.confidence) + accuracy_table(batch, tally, options.confidence, options.max_tilt.unit());
   return text + assumed_lines(batch.plan.tolerances.assumed);
 }
 

@@ -17,6 +17,7 @@ struct Requirement {
   Characteristic characteristic = {};
   double limit = 1e-3;  ///< mm or rad
   Spread criterion = Spread::statistical;
+  bool is_in_degrees = false;  ///< as a file stated the limit: texts say it so
 };
 
 /// The characteristics of requirements.

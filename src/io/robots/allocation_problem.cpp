@@ -46,6 +46,7 @@ Requirement requirement_of(Section section, const Robot& robot) {
   }
   requirement.characteristic = *characteristic;
   requirement.limit = limit_of(section, characteristic->quantity, robot);
+  requirement.is_in_degrees = section.find("limit_deg") != nullptr;
   if (const toml::node* node = section.find("criterion")) {
     const std::string criterion = section.text("criterion");
     const auto named = [&](Spread one) { return criterion == name(one); };
