@@ -6,13 +6,14 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace paracal;
-  const io::TextFile file{"calibration.json", std::string(reinterpret_cast<const char*>(data), size)};
+  const std::string text(reinterpret_cast<const char*>(data), size);
   fuzz::may_complain([&] {
+    const io::JsonFile file({"calibration.json", text});
+    for (const unsigned choice : {0U, 1U, 2U}) {
+      fuzz::may_complain([&] { (void)io::read_calibration(file, fuzz::robot(choice)).known(); });
+    }
     const Robot robot = io::robot_of_calibration(file).robot;
     (void)io::read_calibration(file, robot).known();
   });
-  for (const unsigned choice : {0U, 1U, 2U}) {
-    fuzz::may_complain([&] { (void)io::read_calibration(file, fuzz::robot(choice)).known(); });
-  }
   return 0;
 }

@@ -203,7 +203,7 @@ ControllerModel checked_controller(const ControllerOptions& options, ControllerM
   return known;
 }
 
-io::CalibratedMachine checked_calibration(const io::TextFile& file, const ControllerOptions& options,
+io::CalibratedMachine checked_calibration(const io::JsonFile& file, const ControllerOptions& options,
                                           const Robot& robot, const io::TableStyle& style) {
   try {
     return io::read_calibration(file, robot);

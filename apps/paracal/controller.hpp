@@ -35,7 +35,7 @@ ControllerModel checked_controller(const ControllerOptions& options, ControllerM
 /// A calibration from its file. Where it is refused, such as one that was not accepted, the joints of the controller
 /// are compared before: a wrong controller may be why.
 /// @throws InputFileError for such joints, and for what io::read_calibration() refuses.
-io::CalibratedMachine checked_calibration(const io::TextFile& file, const ControllerOptions& options,
+io::CalibratedMachine checked_calibration(const io::JsonFile& file, const ControllerOptions& options,
                                           const Robot& robot, const io::TableStyle& style = {});
 
 /// Readings with what is known of the controller that commanded their poses.

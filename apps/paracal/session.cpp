@@ -58,12 +58,12 @@ io::RobotStatement robot_of_option(const std::string& name) {
 }
 
 /// What is said, in the order in which it counts.
-std::vector<io::RobotStatement> statements(const std::string& option, const RobotSources& inputs) {
+std::vector<io::RobotStatement> statements(const std::string& option, const RobotSources& inputs, Session& session) {
   std::vector<io::RobotStatement> all;
   if (!option.empty()) all.push_back(robot_of_option(option));
   for (const std::string& name : inputs.calibrations) {
     // Behind another statement its reader compares: then it need not describe a whole robot.
-    if (!name.empty() && all.empty()) all.push_back(io::robot_of_calibration(io::read_stored(name)));
+    if (!name.empty() && all.empty()) all.push_back(io::robot_of_calibration(session.calibration_file(name)));
   }
   for (const std::string& name : inputs.tables) {
     if (name.empty()) continue;
@@ -85,7 +85,7 @@ std::string_view why_held(const Machine& machine, const Pose& pose) {
 }  // namespace
 
 Robot Session::robot(const RobotSources& inputs) {
-  const std::vector<io::RobotStatement> stated = statements(robot_, inputs);
+  const std::vector<io::RobotStatement> stated = statements(robot_, inputs, *this);
   if (stated.empty()) {
     throw WrongUsage(fmt::format(
         "--robot: expected a robot, got none: give a catalogue name ({}), a file (.toml), or a line \"# robot: "
@@ -155,15 +155,20 @@ Pose pose_of_option(const Robot& robot, std::string_view option, const std::vect
   return pose;
 }
 
-SourceErrors read_errors(const Robot& robot, const std::string& errors_file) {
+const io::JsonFile& Session::calibration_file(const std::string& name) {
+  const auto found = calibrations_.find(name);
+  return (found != calibrations_.end() ? found : calibrations_.emplace(name, io::read_stored(name)).first)->second;
+}
+
+SourceErrors Session::read_errors(const Robot& robot, const std::string& errors_file) {
+  if (is_calibration(errors_file)) return io::read_calibration(calibration_file(errors_file), robot).errors;
   const io::TextFile file = io::read_stored(errors_file);
-  if (is_calibration(errors_file)) return io::read_calibration(file, robot).errors;
   const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
   if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);
   return errors;
 }
 
-Machine machine_as_built(const Robot& robot, const std::string& errors_file) {
+Machine Session::machine_as_built(const Robot& robot, const std::string& errors_file) {
   return errors_file.empty() ? robot.nominal() : build(robot, read_errors(robot, errors_file));
 }
 

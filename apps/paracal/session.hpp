@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,12 +34,6 @@ class WrongUsage : public Error {
 class MathematicsSaysNo : public Error {
   using Error::Error;
 };
-
-/// Source errors of a file: source errors (TOML) or a calibration (JSON).
-SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
-
-/// Machine that --errors describes, as read_errors; the nominal one without a file.
-Machine machine_as_built(const Robot& robot, const std::string& errors_file);
 
 /// "pose P3 at (500, 0, -888) mm, 90 deg", for messages.
 std::string pose_text(const Station& station);
@@ -94,6 +89,13 @@ class Session {
   /// The file that described it, where one did.
   const std::optional<std::filesystem::path>& robot_file() const { return robot_file_; }
 
+  /// A calibration file. Each is read once, so that all see the same one even if it changes meanwhile.
+  const io::JsonFile& calibration_file(const std::string& name);
+  /// Source errors of a file: source errors (TOML) or a calibration (JSON).
+  SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
+  /// Machine that --errors describes, as read_errors(); the nominal one without a file.
+  Machine machine_as_built(const Robot& robot, const std::string& errors_file);
+
   bool json() const { return json_; }
   const std::string& out() const { return out_; }
   std::uint64_t seed() const { return seed_; }
@@ -122,7 +124,8 @@ class Session {
   io::TextSink standard_output_;
   jobs::Ranks& ranks_;
   std::string robot_;
-  std::optional<std::filesystem::path> robot_file_;  ///< known once robot() has found it
+  std::map<std::string, io::JsonFile> calibrations_;  ///< by the names under which they were read
+  std::optional<std::filesystem::path> robot_file_;   ///< known once robot() has found it
   std::string out_;
   std::string last_words_;
   bool json_ = false;

@@ -62,7 +62,7 @@ KnownMachine known_of(const Calibration& calibration) {
 
 /// @param robot  that it must be of; none: the one that the file carries.
 KnownMachine read_calibration(const std::string& path, const std::optional<Robot>& robot) {
-  const io::TextFile file = io::read_stored(path);
+  const io::JsonFile file(io::read_stored(path));
   const Robot of = robot ? *robot : io::robot_of_calibration(file).robot;
   io::CalibratedMachine machine = io::read_calibration(file, of);
   return {of, machine.known(), std::move(machine.inputs), std::move(machine.controller)};

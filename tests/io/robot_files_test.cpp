@@ -123,7 +123,7 @@ TEST(SourceErrorFile, MisspeltKeyIsRefusedWithItsLine) {
 TEST(CalibrationFile, ErrorsReadBack) {
   const Robot robot = catalogue::huang2016();
   const Calibration calibration = calibrate(robot, published_huang2016().rough);
-  const CalibratedMachine again = read_calibration({"c.json", to_json(calibration, 0).dump()}, robot);
+  const CalibratedMachine again = read_calibration(JsonFile({"c.json", to_json(calibration, 0).dump()}), robot);
   for (std::size_t limb = 0; limb < 4; ++limb) {
     for (const Source source : all_sources()) {
       EXPECT_NEAR(again.errors(limb, source), calibration.errors()(limb, source), 1e-15);
@@ -133,7 +133,8 @@ TEST(CalibrationFile, ErrorsReadBack) {
   EXPECT_LT((again.noise_covariance - calibration.noise_covariance).norm(), 1e-12 * calibration.covariance.norm());
   EXPECT_EQ(again.noise_dof, calibration.noise_dof);
   EXPECT_LT((again.covariance - calibration.covariance).norm(), 1e-12 * calibration.covariance.norm());
-  EXPECT_THROW(read_calibration({"c.json", to_json(calibration, 0).dump()}, catalogue::rotary_delta()), InputFileError);
+  EXPECT_THROW(read_calibration(JsonFile({"c.json", to_json(calibration, 0).dump()}), catalogue::rotary_delta()),
+               InputFileError);
 }
 
 TEST(CalibrationFile, OneThatWasNotAcceptedIsRefused) {
@@ -143,7 +144,7 @@ TEST(CalibrationFile, OneThatWasNotAcceptedIsRefused) {
   const std::string text = to_json(calibrate(robot, too_few), 0).dump();
   EXPECT_THAT(
       [&] {
-        read_calibration({"c.json", text}, robot);
+        read_calibration(JsonFile({"c.json", text}), robot);
       },
       testing::ThrowsMessage<InputFileError>(testing::HasSubstr("got the verdict \"not identifiable\"")));
 }

@@ -53,7 +53,7 @@ std::string calibration_of(const Robot& robot) {
 class CalibratedRobot : public test::EveryRobot {};
 
 TEST_P(CalibratedRobot, ReadsBack) {
-  const RobotStatement stated = robot_of_calibration({"c.json", calibration_of(robot)});
+  const RobotStatement stated = robot_of_calibration(JsonFile({"c.json", calibration_of(robot)}));
   EXPECT_EQ(difference(robot, stated.robot), std::nullopt);
   EXPECT_EQ(to_json(stated.robot), to_json(robot));
   EXPECT_EQ(stated.robot.workspace().radius, robot.workspace().radius);
@@ -68,7 +68,7 @@ TEST(RobotOfACalibration, MustBeWhole) {
     const std::string text = Json{{"format", 1}, {"robot", robot}}.dump(1);
     EXPECT_THAT(
         [&] {
-          robot_of_calibration({"c.json", text});
+          robot_of_calibration(JsonFile({"c.json", text}));
         },
         testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("c.json"), HasSubstr(why))));
   };
@@ -86,10 +86,10 @@ TEST(RobotOfACalibration, MustBeWhole) {
   for (int k = 0; k < 5000; ++k) deep = Json::array({deep});
   json["geometry"]["rod_mm"] = deep;
   refused(json, "at most 64 levels");
-  EXPECT_THROW(robot_of_calibration({"c.json", "{}"}), InputFileError);
+  EXPECT_THROW(robot_of_calibration(JsonFile({"c.json", "{}"})), InputFileError);
   EXPECT_THAT(
       [] {
-        robot_of_calibration({"c.json", "{\n no JSON"});
+        robot_of_calibration(JsonFile({"c.json", "{\n no JSON"}));
       },
       testing::ThrowsMessage<InputFileError>(StartsWith("c.json:2: expected JSON")));
 }
@@ -137,11 +137,11 @@ TEST(SameRobot, ACalibrationSurvivesTheRobotsFile) {
   Json json = to_json(calibrate(catalogue::huang2016(), published_huang2016().rough), 0);
   json["robot"] = to_json(oblique);
   for (Json& axis : json["robot"]["plate"]["slide_axis"]) axis = std::nextafter(axis.get<double>(), 2.0);
-  EXPECT_NO_THROW(read_calibration({"c.json", json.dump()}, robot));
+  EXPECT_NO_THROW(read_calibration(JsonFile({"c.json", json.dump()}), robot));
   json["robot"]["plate"]["pinion_radius_mm"] = 12.001;
   EXPECT_THAT(
       [&] {
-        read_calibration({"c.json", json.dump(1)}, robot);
+        read_calibration(JsonFile({"c.json", json.dump(1)}), robot);
       },
       testing::ThrowsMessage<InputFileError>(HasSubstr("plate.pinion_radius_mm")));
 }

@@ -37,17 +37,19 @@ struct Compensated {
   CorrectedPose corrected;
 };
 
-io::CalibratedMachine known_machine(const CompensateArguments& options, const Robot& robot) {
+io::CalibratedMachine known_machine(const CompensateArguments& options, const Robot& robot, Session& session) {
   if (options.calibration.empty() == options.errors.empty()) {
     throw WrongUsage("expected either --calibration or --errors");
   }
   if (!options.errors.empty()) {
-    ControllerModel controller{.evidence = ControllerEvidence::stated};  // errors of the machine, whoever commands it
-    if (is_calibration(options.errors))
-      controller = io::read_calibration(io::read_stored(options.errors), robot).controller;
-    return {.errors = read_errors(robot, options.errors), .controller = std::move(controller)};
+    if (is_calibration(options.errors)) {
+      io::CalibratedMachine machine = io::read_calibration(session.calibration_file(options.errors), robot);
+      return {.errors = machine.errors, .controller = std::move(machine.controller)};
+    }
+    return {.errors = session.read_errors(robot, options.errors),
+            .controller = {.evidence = ControllerEvidence::stated}};
   }
-  return checked_calibration(io::read_stored(options.calibration), options.controller, robot, options.style);
+  return checked_calibration(session.calibration_file(options.calibration), options.controller, robot, options.style);
 }
 
 [[noreturn]] void refuse(const Station& station, std::string_view why) {
@@ -173,7 +175,7 @@ void run(const CompensateArguments& options, Session& session) {
   RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
-  io::CalibratedMachine machine = known_machine(options, robot);
+  io::CalibratedMachine machine = known_machine(options, robot, session);
   machine.controller = checked_controller(options.controller, machine.controller, robot, options.style);
   const ControllerModel& controller = machine.controller;
   const std::vector<std::string> assumed = controller_assumptions(controller, robot);

@@ -127,7 +127,7 @@ std::optional<OutputFolder> configuration_folder(const ExportArguments& options,
 void run(const ExportArguments& options, Session& session) {
   const std::optional<OutputFolder> folder = configuration_folder(options, session);
   const Robot robot = session.robot({.calibrations = {options.calibration}});
-  const io::TextFile file = io::read_stored(options.calibration);
+  const io::JsonFile& file = session.calibration_file(options.calibration);
   const io::CalibratedMachine machine = checked_calibration(file, options.controller, robot);
   const SourceErrors& errors = machine.errors;
   if (options.variant != "exact" && (options.target == "genhexkins" || !kTexts.contains(options.target))) {
@@ -137,7 +137,7 @@ void run(const ExportArguments& options, Session& session) {
     throw WrongUsage("--variant float: expected with --target c99 or linuxcnc, got st: use one-step");
   }
   ExportOrigin origin{.calibration = std::filesystem::path(options.calibration).filename().string(),
-                      .sha256 = io::sha256(file),
+                      .sha256 = io::sha256(file.text),
                       .date = io::utc(now())};
   const ControllerModel controller = checked_controller(options.controller, machine.controller, robot, {});
   if (options.target == "gcode" || options.target == "csv") {

@@ -44,7 +44,7 @@ io::Json plate_json(const io::NamedPlate& row) {
 void run(const ForwardArguments& options, Session& session) {
   RowInput joints(options.joints, options.style);
   const Robot robot = session.robot(sources_of(options.errors, joints.rows));
-  const Machine machine = machine_as_built(robot, options.errors);
+  const Machine machine = session.machine_as_built(robot, options.errors);
   RowOutput rows(session, options.json_lines, {JsonColumn{"poses"}});
   rows.head(io::plate_table_header());
   io::read_joints(joints.rows, robot.joint_space(), [&](const io::NamedJoints& one) {

@@ -15,13 +15,13 @@ namespace {
 /// The calibration's own page, with what other measurements say of it where they are given.
 void run(const ValidatingOptions& options, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
-  const io::TextFile file = io::read_stored(options.calibration);
+  const io::JsonFile& file = session.calibration_file(options.calibration);
   const io::CalibratedMachine machine = io::read_calibration(file, robot);
   const KnownErrors known = machine.known();
-  ReportContent content{.kind = "calibration", .results = {{"calibration", io::parse_json(file)}}};
+  ReportContent content{.kind = "calibration", .results = {{"calibration", file.json}}};
   std::vector<report::ErrorArrow> arrows;
   std::vector<Station> stations = validation_stations(robot);
-  std::vector<InputFile> inputs{{file.name, io::sha256(file)}};
+  std::vector<InputFile> inputs{{file.text.name, io::sha256(file.text)}};
   if (!options.measuring.files.empty()) {
     io::require_inputs(file);
     const CommandedReadings read = options.read(machine, robot);

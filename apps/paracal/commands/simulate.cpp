@@ -40,9 +40,9 @@ RigidMotion random_frame(RandomStream& random) {
   return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), shift};
 }
 
-SourceErrors errors_of(const SimulateArguments& options, const Robot& robot, RandomStream& random) {
+SourceErrors errors_of(const SimulateArguments& options, const Robot& robot, RandomStream& random, Session& session) {
   if (options.errors.empty()) return draw_errors(robot, tolerances_of(robot), random);
-  return read_errors(robot, options.errors);
+  return session.read_errors(robot, options.errors);
 }
 
 void check_instrument(const InstrumentOptions& instrument, const PlannedReadings& readings) {
@@ -120,7 +120,7 @@ void run(const SimulateArguments& options, Session& session) {
   check_instrument(options.instrument, what);
   const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
-  const SourceErrors errors = errors_of(options, robot, random);
+  const SourceErrors errors = errors_of(options, robot, random, session);
   const Measurements plan = plan_of(robot, options, what);
   VirtualInstrument instrument = options.instrument.instrument(what.rotation);
   instrument.mount = what.mount;

@@ -69,7 +69,7 @@ std::string text_of(const Validation& validation) {
 
 void run(const ValidatingOptions& options, const std::string& report, Session& session) {
   const Robot robot = session.robot(options.robot_sources());
-  const io::TextFile file = io::read_stored(options.calibration);
+  const io::JsonFile& file = session.calibration_file(options.calibration);
   const io::CalibratedMachine machine = checked_calibration(file, options.controller, robot, options.measuring.style);
   io::require_inputs(file);
   const KnownErrors known = machine.known();

@@ -30,6 +30,15 @@ using Json = nlohmann::ordered_json;
 /// nesting, or far more values than text.
 Json parse_json(const TextFile& file);
 
+/// A JSON file, parsed once for all that read it.
+struct JsonFile {
+  /// @throws InputFileError as parse_json().
+  explicit JsonFile(TextFile file) : text(std::move(file)), json(parse_json(text)) {}
+
+  TextFile text;
+  Json json;
+};
+
 /// "2016-10-05T12:00:00Z", from seconds since 1970.
 std::string utc(std::int64_t time);
 
@@ -109,7 +118,7 @@ struct CalibratedMachine {
 };
 
 /// @throws InputFileError for a file that is not an accepted calibration of `robot`.
-CalibratedMachine read_calibration(const TextFile& file, const Robot& robot);
+CalibratedMachine read_calibration(const JsonFile& file, const Robot& robot);
 
 /// An array of what `entry` makes of each of the values; of these themselves without it.
 Json json_array(const auto& values, const auto& entry) {

@@ -9,6 +9,8 @@
 
 namespace paracal::io {
 
+struct JsonFile;
+
 /// Content of a table of measurements.
 enum class TableKind : std::uint8_t { points, distances, lengths, exported };
 
@@ -43,7 +45,7 @@ std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const
                                      const std::vector<std::string>& tables);
 
 /// @throws InputFileError for a calibration that does not state its input files: readings of its own could confirm it.
-void require_inputs(const TextFile& calibration);
+void require_inputs(const JsonFile& calibration);
 
 /// Why a validation with such a table is not accepted.
 std::string confirms_nothing(const std::string& table);

@@ -10,6 +10,8 @@
 
 namespace paracal::io {
 
+struct JsonFile;
+
 /// A robot, and where it is stated.
 struct RobotStatement {
   Robot robot;
@@ -38,7 +40,7 @@ std::optional<RobotStatement> robot_of_table(const TextFile& file);
 
 /// The robot in a calibration (JSON).
 /// @throws InputFileError for JSON without a robot, or an implausible robot.
-RobotStatement robot_of_calibration(const TextFile& file);
+RobotStatement robot_of_calibration(const JsonFile& file);
 
 /// "geometry.rod_mm 950, got 951": the first difference in name, geometry or plate of two robots. Numbers differ if by
 /// more than 1e-9 (relative, from 1 mm, deg or unit vector upwards): writing and reading a robot loses that much.

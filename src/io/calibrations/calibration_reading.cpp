@@ -283,9 +283,8 @@ ControllerModel read_controller(const JsonNode& calibration, const std::string& 
 
 }  // namespace
 
-void require_inputs(const TextFile& calibration) {
-  const Json json = parse_json(calibration);
-  (void)JsonNode(calibration, json, "a calibration").at("inputs");
+void require_inputs(const JsonFile& calibration) {
+  (void)JsonNode(calibration.text, calibration.json, "a calibration").at("inputs");
 }
 
 KnownErrors CalibratedMachine::known() const {
@@ -297,9 +296,8 @@ KnownErrors CalibratedMachine::known() const {
   return known;
 }
 
-CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
-  const Json json = parse_json(file);
-  const JsonNode calibration(file, json, "a calibration");
+CalibratedMachine read_calibration(const JsonFile& file, const Robot& robot) {
+  const JsonNode calibration(file.text, file.json, "a calibration");
   const Actuator actuator = robot.actuator();
   CalibratedMachine machine;
   require_format(calibration);
@@ -310,7 +308,7 @@ CalibratedMachine read_calibration(const TextFile& file, const Robot& robot) {
       machine.inputs.push_back({input.at("file").text(), input.at("sha256").text()});
     }
   }
-  machine.controller = read_controller(calibration, file.name);
+  machine.controller = read_controller(calibration, file.text.name);
   read_parameters(calibration.at("parameters"), robot, machine);
   machine.covariance = read_covariance(calibration, "covariance", machine.parameters, actuator);
   machine.noise_covariance = read_covariance(calibration, "covariance_of_noise", machine.parameters, actuator);

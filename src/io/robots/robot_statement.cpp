@@ -171,10 +171,9 @@ Robot robot_in(const JsonNode& node, const std::string& file) {
   }
 }
 
-RobotStatement robot_of_calibration(const TextFile& file) {
-  const Json json = parse_json(file);
-  const JsonNode robot = JsonNode(file, json, "a calibration").object_at("robot");
-  return {.robot = robot_in(robot, file.name), .by = file.name, .line = robot.line()};
+RobotStatement robot_of_calibration(const JsonFile& file) {
+  const JsonNode robot = JsonNode(file.text, file.json, "a calibration").object_at("robot");
+  return {.robot = robot_in(robot, file.text.name), .by = file.text.name, .line = robot.line()};
 }
 
 std::optional<std::string> robot_difference(const Json& expected, const Json& got) {
