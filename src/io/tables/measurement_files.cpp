@@ -65,9 +65,11 @@ Measurements read_table(const TextFile& table, PoseTables& tables, const ExportS
       return read_lengths(table, poses(), joints);
     case TableKind::distances:
       return read_distances(table, poses(), joints);
-    case TableKind::exported:
+    case TableKind::exported: {
+      const std::vector<Station> commanded = read_poses(poses(), joints);  // where both are refused, always this
       return read_tracker_export(table, find_columns(table, exported.columns, exported.unit, exported.by_order),
-                                 read_poses(poses(), joints), joints);
+                                 commanded, joints);
+    }
     case TableKind::points:
       break;
   }
