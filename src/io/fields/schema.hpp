@@ -2,6 +2,7 @@
 
 // Private to io: the JSON Schemas (draft 2020-12) of structs with a list of fields.
 
+#include <cstdint>
 #include <set>
 #include <string>
 
@@ -108,9 +109,15 @@ class SchemaFile {
 
   static Json number(const char* type, const Form& form) {
     Json schema{{"type", type}};
-    if (form.least) schema["minimum"] = *form.least;
-    if (form.most) schema["maximum"] = *form.most;
+    if (form.least) schema["minimum"] = limit(*form.least);
+    if (form.most) schema["maximum"] = limit(*form.most);
     return schema;
+  }
+
+  /// Messages show it: 0, not 0.0.
+  static Json limit(double value) {
+    const auto whole = static_cast<std::int64_t>(value);
+    return static_cast<double>(whole) == value ? Json(whole) : Json(value);
   }
 
   static Json nullable(Json schema) {
