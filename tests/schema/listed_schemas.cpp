@@ -10,6 +10,7 @@
 #include <map>
 
 #include "io/calibrations/calibration_fields.hpp"
+#include "io/calibrations/failure_fields.hpp"
 #include "io/calibrations/validation_fields.hpp"
 #include "io/fields/schema.hpp"
 
@@ -23,10 +24,10 @@ std::map<std::string, Json> listed_schemas() {
   using namespace paracal::io;
   return {{"calibration.schema.json", SchemaFile("calibration.schema.json").of_result<CalibrationInFile>()},
           {"validation.schema.json", SchemaFile("validation.schema.json").of_result<Validation>()},
-          {"parts.schema.json",
-           SchemaFile("parts.schema.json")
-               .of_parts<InputFile, NullDirection, PoseErrorSummary, TrackerModel, CommonError, OptionsInFile>(
-                   "Parts", "Parts that several results share, with lists of fields.")}};
+          {"parts.schema.json", SchemaFile("parts.schema.json")
+                                    .of_parts<InputFile, NullDirection, PoseErrorSummary, TrackerModel, CommonError,
+                                              OptionsInFile, Proportion, FailureShare>(
+                                        "Parts", "Parts that several results share, with lists of fields.")}};
 }
 
 std::string in_one_line(const Json& json) {

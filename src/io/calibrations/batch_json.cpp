@@ -4,12 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "failure_fields.hpp"
 #include "io/tables/names.hpp"
-#include "json_parts.hpp"
 #include "paracal/batch/error_spread.hpp"
 #include "paracal/batch/tally.hpp"
 #include "paracal/io/json.hpp"
-#include "paracal/tolerance/failure.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
 
@@ -112,27 +111,11 @@ Json passed_json(const Batch& batch, const Tally& tally, double confidence) {
   return json;
 }
 
-Json weighed_json(const WeighedShare& share) {
-  Json json = to_json(Proportion{share.value, share.interval});
-  json["machines"] = share.machines;
-  json["effective"] = share.effective;
-  return json;
-}
-
 }  // namespace
 
-Json to_json(const FailureShare& failures) {
-  return {{"status", name(failures.status)},
-          {"reason", failures.reason},
-          {"linear", weighed_json(failures.linear)},
-          {"check", weighed_json(failures.check)},
-          {"exact", failures.exact ? weighed_json(*failures.exact) : Json(nullptr)},
-          {"not_closed", failures.not_closed}};
-}
+Json to_json(const FailureShare& failures) { return stored(failures); }
 
-Json to_json(const Proportion& proportion) {
-  return {{"value", proportion.value}, {"low", proportion.interval.low}, {"high", proportion.interval.high}};
-}
+Json to_json(const Proportion& proportion) { return stored(proportion); }
 
 Json interval_json(const Interval& interval, double factor) {
   return Json::array({factor * interval.low, factor * interval.high});

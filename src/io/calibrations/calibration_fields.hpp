@@ -11,11 +11,9 @@
 namespace paracal::io {
 
 template <>
-inline constexpr std::array<std::string_view, 4> kWords<Verdict>{"accepted", "rejected", "not identifiable",
-                                                                 "not converged"};
+inline constexpr std::size_t kNames<Verdict> = 4;
 template <>
-inline constexpr std::array<std::string_view, 4> kWords<ControllerEvidence>{"assumed", "readings", "confirmed",
-                                                                            "stated"};
+inline constexpr std::size_t kNames<ControllerEvidence> = 4;
 
 template <>
 struct List<ControllerModel> : OfCalibration {

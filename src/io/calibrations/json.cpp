@@ -3,7 +3,6 @@
 #include "io/robots/limb_tables.hpp"
 #include "io/robots/robot_tables.hpp"
 #include "io/tables/names.hpp"
-#include "json_parts.hpp"
 #include "paracal/tolerance/drawing_statement.hpp"
 
 namespace paracal::io {

@@ -22,8 +22,7 @@ inline constexpr std::array<std::string_view, 2> kWords<BodyPlace>{"unknown", "p
 template <>
 inline constexpr std::array<std::string_view, 2> kWords<RotationZero>{"relative", "absolute"};
 template <>
-inline constexpr std::array<std::string_view, 3> kWords<ReflectorMount>{"plate", "end-effector",
-                                                                        "end-effector-reversed"};
+inline constexpr std::size_t kNames<ReflectorMount> = 3;
 
 inline std::optional<double> if_finite(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;

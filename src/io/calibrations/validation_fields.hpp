@@ -8,7 +8,7 @@
 namespace paracal::io {
 
 template <>
-inline constexpr std::array<std::string_view, 3> kWords<Conformity>{"conforming", "not conforming", "undecided"};
+inline constexpr std::size_t kNames<Conformity> = 3;
 
 struct OfValidation {
   static constexpr std::string_view kFile = "validation.schema.json";

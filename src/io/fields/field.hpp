@@ -58,6 +58,11 @@ template <typename Enum>
 inline constexpr std::array<std::string_view, 0> kWords{};
 template <typename T>
 concept Worded = std::is_enum_v<T> && !kWords<T>.empty();
+/// How many there are, of an enumeration whose words the library's name() says.
+template <typename Enum>
+inline constexpr std::size_t kNames = 0;
+template <typename T>
+concept Named = std::is_enum_v<T> &&(kNames<T> > 0);
 
 template <typename T>
 inline constexpr bool is_optional = false;
@@ -85,11 +90,11 @@ Json stored_object(const Struct& object) {
   List<Struct>::fields(
       [&]<typename Get>(std::string_view key, const Get& get, std::string_view /*meaning*/, const Form& form = {}) {
         const ValueOf<Struct, Get>& value = std::invoke(get, object);
-    if constexpr (is_optional<ValueOf<Struct, Get>>) {
-      if (form.may_lack && !value) return;
-    }
-    json.emplace(std::string(key), stored(value, form));
-  });
+        if constexpr (is_optional<ValueOf<Struct, Get>>) {
+          if (form.may_lack && !value) return;
+        }
+        json.emplace(std::string(key), stored(value, form));
+      });
   return json;
 }
 
@@ -100,6 +105,8 @@ Json stored(const T& value, const Form& form) {
     return stored_object(value);
   } else if constexpr (Worded<T>) {
     return kWords<T>[static_cast<std::size_t>(value)];
+  } else if constexpr (Named<T>) {
+    return name(value);
   } else if constexpr (is_optional<T>) {
     return value ? stored(*value, form) : Json(nullptr);
   } else if constexpr (is_choice<T>) {

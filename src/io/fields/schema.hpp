@@ -78,6 +78,10 @@ class SchemaFile {
       return reference<T>();
     } else if constexpr (Worded<T>) {
       return {{"enum", kWords<T>}};
+    } else if constexpr (Named<T>) {
+      Json words = Json::array();
+      for (std::size_t k = 0; k < kNames<T>; ++k) words.push_back(name(static_cast<T>(k)));
+      return {{"enum", words}};
     } else if constexpr (is_choice<T>) {
       return choice(form, static_cast<const T*>(nullptr));
     } else if constexpr (std::same_as<T, bool>) {

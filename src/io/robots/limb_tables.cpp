@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include "io/calibrations/json_parts.hpp"
 #include "io/tables/names.hpp"
 #include "robot_tables.hpp"
 
