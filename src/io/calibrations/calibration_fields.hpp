@@ -16,11 +16,10 @@ template <>
 inline constexpr std::size_t kNames<ControllerEvidence> = 4;
 
 template <>
-struct List<ControllerModel> : OfCalibration {
-  static constexpr std::string_view
-      kName = "controller",
-      kTitle = "Commanding controller",
-      kMeaning = "The controller that computed the joints of the commanded poses, as far as it is known.";
+struct List<ControllerModel> {
+  static constexpr Place kPlace{
+      kCalibrationSchema, "controller", "Commanding controller",
+      "The controller that computed the joints of the commanded poses, as far as it is known."};
   static void fields(auto&& field) {
     using Of = ControllerModel;
     const auto source = [](const Of& of) { return of.source.empty() ? std::nullopt : std::optional(of.source); };
@@ -59,9 +58,9 @@ struct CalibrationInFile {
 };
 
 template <>
-struct List<CalibrationInFile> : OfCalibration {
-  static constexpr std::string_view kName = "", kTitle = "Calibration",
-                                    kMeaning = "What `calibrate --json` prints and `--out` saves. Angles are in deg.";
+struct List<CalibrationInFile> {
+  static constexpr Place kPlace{kCalibrationSchema, "", "Calibration",
+                                "What `calibrate --json` prints and `--out` saves. Angles are in deg."};
   using Of = CalibrationInFile;
 
   /// Keys that stand for each other.

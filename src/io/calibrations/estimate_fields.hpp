@@ -6,9 +6,7 @@
 
 namespace paracal::io {
 
-struct OfCalibration {
-  static constexpr std::string_view kFile = "calibration.schema.json";
-};
+inline constexpr std::string_view kCalibrationSchema = "calibration.schema.json";
 
 template <>
 inline constexpr std::array<std::string_view, 5> kWords<Cause>{"visits", "motion", "parts", "pose", "noise"};
@@ -29,8 +27,8 @@ struct ParameterInFile {
 };
 
 template <>
-struct List<ParameterInFile> : OfCalibration {
-  static constexpr std::string_view kName = "parameter", kTitle = "Parameter", kMeaning = "An estimated source error.";
+struct List<ParameterInFile> {
+  static constexpr Place kPlace{kCalibrationSchema, "parameter", "Parameter", "An estimated source error."};
   using Of = ParameterInFile;
   template <auto kMember>
   static auto in_file_unit(const Of& of) {
@@ -81,9 +79,9 @@ struct UseInFile {
 };
 
 template <>
-struct List<UseInFile> : OfCalibration {
-  static constexpr std::string_view kName = "use_quantity", kTitle = "Use quantity",
-                                    kMeaning = "U of one quantity anywhere in the workspace, against its limit.";
+struct List<UseInFile> {
+  static constexpr Place kPlace{kCalibrationSchema, "use_quantity", "Use quantity",
+                                "U of one quantity anywhere in the workspace, against its limit."};
   static void fields(auto&& field) {
     const auto U = [](const UseInFile& of) { return of.quantity.U * of.factor; };
     const auto limit = [](const UseInFile& of) {
@@ -99,8 +97,8 @@ struct List<UseInFile> : OfCalibration {
 };
 
 template <>
-struct List<Use> : OfCalibration {
-  static constexpr std::string_view kName = "use", kTitle = "Use", kMeaning = "Uncertainty over the workspace.";
+struct List<Use> {
+  static constexpr Place kPlace{kCalibrationSchema, "use", "Use", "Uncertainty over the workspace."};
   static void fields(auto&& field) {
     const auto distance = [](const Use& use) { return UseInFile{use.distance}; };
     const auto aligned = [](const Use& use) { return UseInFile{use.aligned}; };
@@ -114,8 +112,8 @@ struct List<Use> : OfCalibration {
 };
 
 template <>
-struct List<Component> : OfCalibration {
-  static constexpr std::string_view kName = "component", kTitle = "Cause", kMeaning = "";
+struct List<Component> {
+  static constexpr Place kPlace{kCalibrationSchema, "component", "Cause"};
   static void fields(auto&& field) {
     field("cause", &Component::cause,
           "joints that do not repeat, joints or drives that are off, parts, a pose, or the noise of "
@@ -137,8 +135,8 @@ struct SplineInFile {
 };
 
 template <>
-struct List<SplineInFile> : OfCalibration {
-  static constexpr std::string_view kName = "drive_spline", kTitle = "Spline of a drive", kMeaning = "";
+struct List<SplineInFile> {
+  static constexpr Place kPlace{kCalibrationSchema, "drive_spline", "Spline of a drive"};
   static void fields(auto&& field) {
     using Of = SplineInFile;
     const auto limb = [](const Of& of) { return of.spline.limb + 1; };
@@ -159,8 +157,8 @@ struct CorrelationInFile {
 };
 
 template <>
-struct List<CorrelationInFile> : OfCalibration {
-  static constexpr std::string_view kName = "correlation", kTitle = "Correlation", kMeaning = "";
+struct List<CorrelationInFile> {
+  static constexpr Place kPlace{kCalibrationSchema, "correlation", "Correlation"};
   static void fields(auto&& field) {
     using Of = CorrelationInFile;
     field("one", &Of::one, "parameter name with the limb at its end: alpha01 is alpha0 of limb 1");
@@ -174,8 +172,8 @@ template <>
 inline constexpr std::array<std::string_view, 2> kWords<StageDone>{"rough", "fine"};
 
 template <>
-struct List<StageReport> : OfCalibration {
-  static constexpr std::string_view kName = "stage", kTitle = "Stage report", kMeaning = "";
+struct List<StageReport> {
+  static constexpr Place kPlace{kCalibrationSchema, "stage", "Stage report"};
   static void fields(auto&& field) {
     const auto stage = [](const StageReport& of) { return of.name == "fine" ? StageDone::fine : StageDone::rough; };
     const auto condition = [](const StageReport& of) { return if_finite(of.condition); };

@@ -11,9 +11,9 @@ template <>
 inline constexpr std::size_t kNames<FailureStatus> = 3;
 
 template <>
-struct List<Proportion> : Part {
-  static constexpr std::string_view kName = "proportion", kTitle = "Proportion",
-                                    kMeaning = "A fraction, or defects per million, with its interval.";
+struct List<Proportion> {
+  static constexpr Place kPlace{kParts, "proportion", "Proportion",
+                                "A fraction, or defects per million, with its interval."};
   static void fields(auto&& field) {
     using Of = Proportion;
     field("value", &Of::value, "estimate");
@@ -25,9 +25,8 @@ struct List<Proportion> : Part {
 };
 
 template <>
-struct List<WeighedShare> : Part {
-  static constexpr std::string_view kName = "weighed_share", kTitle = "Weighed share",
-                                    kMeaning = "A failure rate from importance sampling.";
+struct List<WeighedShare> {
+  static constexpr Place kPlace{kParts, "weighed_share", "Weighed share", "A failure rate from importance sampling."};
   static void fields(auto&& field) {
     using Of = WeighedShare;
     field("value", &Of::value, "failure rate, 0 to 1");
@@ -41,9 +40,9 @@ struct List<WeighedShare> : Part {
 };
 
 template <>
-struct List<FailureShare> : Part {
-  static constexpr std::string_view kName = "failure", kTitle = "Failure",
-                                    kMeaning = "Failure rate: fraction of the machines that break a limit.";
+struct List<FailureShare> {
+  static constexpr Place kPlace{kParts, "failure", "Failure",
+                                "Failure rate: fraction of the machines that break a limit."};
   static void fields(auto&& field) {
     using Of = FailureShare;
     field("status", &Of::status,

@@ -28,13 +28,11 @@ inline std::optional<double> if_finite(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-struct Part {
-  static constexpr std::string_view kFile = "parts.schema.json";
-};
+inline constexpr std::string_view kParts = "parts.schema.json";
 
 template <>
-struct List<InputFile> : Part {
-  static constexpr std::string_view kName = "input_file", kTitle = "Input file", kMeaning = "A file that was read.";
+struct List<InputFile> {
+  static constexpr Place kPlace{kParts, "input_file", "Input file", "A file that was read."};
   static void fields(auto&& field) {
     const auto title = [](const InputFile& file) { return title_of(file.name); };  // folders name users and customers
     field("file", title, "name of the file");
@@ -45,9 +43,9 @@ struct List<InputFile> : Part {
 inline constexpr std::string_view kInputs = "files that were read, with the SHA-256 of their bytes";
 
 template <>
-struct List<NullDirection> : Part {
-  static constexpr std::string_view kName = "null_direction", kTitle = "Null direction",
-                                    kMeaning = "A direction of the parameters that the readings do not determine.";
+struct List<NullDirection> {
+  static constexpr Place kPlace{kParts, "null_direction", "Null direction",
+                                "A direction of the parameters that the readings do not determine."};
   static void fields(auto&& field) {
     field("text", &NullDirection::text, "the direction in words");
     field("direction", &NullDirection::direction, "components along the estimated parameters, in their units");
@@ -55,9 +53,8 @@ struct List<NullDirection> : Part {
 };
 
 template <>
-struct List<PoseErrorSummary> : Part {
-  static constexpr std::string_view kName = "error_summary", kTitle = "Error summary",
-                                    kMeaning = "Residuals, the largest over all series.";
+struct List<PoseErrorSummary> {
+  static constexpr Place kPlace{kParts, "error_summary", "Error summary", "Residuals, the largest over all series."};
 
   /// Empty where lengths alone were read.
   template <double PoseErrorSummary::*kMember>
@@ -99,9 +96,9 @@ struct List<PoseErrorSummary> : Part {
 };
 
 template <>
-struct List<TrackerModel> : Part {
-  static constexpr std::string_view kName = "tracker_noise", kTitle = "Tracker noise",
-                                    kMeaning = "Standard deviations of a laser tracker at the origin of its frame.";
+struct List<TrackerModel> {
+  static constexpr Place kPlace{kParts, "tracker_noise", "Tracker noise",
+                                "Standard deviations of a laser tracker at the origin of its frame."};
   static void fields(auto&& field) {
     field("transverse_mm", &TrackerModel::transverse, "across the beam", kNotNegative);
     field("transverse_mm_per_m", &TrackerModel::transverse_per_m, "increase with the range", kNotNegative);
@@ -111,9 +108,8 @@ struct List<TrackerModel> : Part {
 };
 
 template <>
-struct List<CommonError> : Part {
-  static constexpr std::string_view kName = "common_error", kTitle = "Common error",
-                                    kMeaning = "An error that limbs share.";
+struct List<CommonError> {
+  static constexpr Place kPlace{kParts, "common_error", "Common error", "An error that limbs share."};
   static void fields(auto&& field) {
     field("text", &CommonError::text, "in words");
     field("std_mm", &CommonError::std, "its standard deviation");
@@ -127,9 +123,8 @@ struct OptionsInFile {
 };
 
 template <>
-struct List<OptionsInFile> : Part {
-  static constexpr std::string_view kName = "calibration_options", kTitle = "Calibration options",
-                                    kMeaning = "Options of a calibration.";
+struct List<OptionsInFile> {
+  static constexpr Place kPlace{kParts, "calibration_options", "Calibration options", "Options of a calibration."};
   using Of = OptionsInFile;
 
   static std::vector<std::string> selectors(const std::vector<SourceSelector>& selected) {

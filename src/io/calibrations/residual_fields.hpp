@@ -14,9 +14,8 @@ inline constexpr std::string_view kRotationBefore =
 inline constexpr Form kAngleMayLack{.factor = kDegrees, .may_lack = true};
 
 template <>
-struct List<DistanceResidual> : OfCalibration {
-  static constexpr std::string_view kName = "distance_residual", kTitle = "Distance residual",
-                                    kMeaning = "Of a distance.";
+struct List<DistanceResidual> {
+  static constexpr Place kPlace{kCalibrationSchema, "distance_residual", "Distance residual", "Of a distance."};
   static void fields(auto&& field) {
     using Of = DistanceResidual;
     field("from", &Of::from, "a pose");
@@ -32,9 +31,8 @@ struct List<DistanceResidual> : OfCalibration {
 };
 
 template <>
-struct List<PointResidual> : OfCalibration {
-  static constexpr std::string_view kName = "point_residual", kTitle = "Point residual",
-                                    kMeaning = "Of a point or a body.";
+struct List<PointResidual> {
+  static constexpr Place kPlace{kCalibrationSchema, "point_residual", "Point residual", "Of a point or a body."};
   static void fields(auto&& field) {
     using Of = PointResidual;
     field("series", &Of::series, "the file");
@@ -50,39 +48,39 @@ struct List<PointResidual> : OfCalibration {
   }
 };
 
-/// Names of a kind's structs in the schema.
+/// A kind's key of readings, and its structs.
 template <LengthKind kKind>
-struct LengthNames;
+struct LengthPlaces;
 template <>
-struct LengthNames<LengthKind::height> {
-  static constexpr std::string_view kResidual = "height_residual", kResidualTitle = "Height residual",
-                                    kColumn = "height_mm", kSetUp = "plane", kSetUpTitle = "Plane",
-                                    kMeaning = "The plane below heights.";
+struct LengthPlaces<LengthKind::height> {
+  static constexpr std::string_view kColumn = "height_mm";
+  static constexpr Place kResidual{kCalibrationSchema, "height_residual", "Height residual"};
+  static constexpr Place kSetUp{kCalibrationSchema, "plane", "Plane", "The plane below heights."};
 };
 template <>
-struct LengthNames<LengthKind::ball_bar> {
-  static constexpr std::string_view kResidual = "ball_bar_residual", kResidualTitle = "Ball bar residual",
-                                    kColumn = "ball_bar_mm", kSetUp = "ball_bar", kSetUpTitle = "Ball bar",
-                                    kMeaning = "A ball bar's fixed point.";
+struct LengthPlaces<LengthKind::ball_bar> {
+  static constexpr std::string_view kColumn = "ball_bar_mm";
+  static constexpr Place kResidual{kCalibrationSchema, "ball_bar_residual", "Ball bar residual"};
+  static constexpr Place kSetUp{kCalibrationSchema, "ball_bar", "Ball bar", "A ball bar's fixed point."};
 };
 template <>
-struct LengthNames<LengthKind::dial> {
-  static constexpr std::string_view kResidual = "dial_residual", kResidualTitle = "Dial residual", kColumn = "dial_mm",
-                                    kSetUp = "dial", kSetUpTitle = "Dial", kMeaning = "";
+struct LengthPlaces<LengthKind::dial> {
+  static constexpr std::string_view kColumn = "dial_mm";
+  static constexpr Place kResidual{kCalibrationSchema, "dial_residual", "Dial residual"};
+  static constexpr Place kSetUp{kCalibrationSchema, "dial", "Dial"};
 };
 
 template <LengthKind kKind>
 struct LengthInFile : LengthResidual {};
 
 template <LengthKind kKind>
-struct List<LengthInFile<kKind>> : OfCalibration {
-  static constexpr std::string_view kName = LengthNames<kKind>::kResidual, kTitle = LengthNames<kKind>::kResidualTitle,
-                                    kMeaning = "";
+struct List<LengthInFile<kKind>> {
+  static constexpr Place kPlace = LengthPlaces<kKind>::kResidual;
   static void fields(auto&& field) {
     using Of = LengthInFile<kKind>;
     field("series", &Of::series, "the file");
     field("pose", &Of::station, "its name");
-    field(LengthNames<kKind>::kColumn, &Of::length, "as read");
+    field(LengthPlaces<kKind>::kColumn, &Of::length, "as read");
     field("before_mm", &Of::before, "measured minus predicted by the nominal machine");
     field("after_mm", &Of::after, kByCalibrated);
     field("excluded", &Of::excluded, kExcluded);
@@ -93,8 +91,8 @@ using ResidualInFile = std::variant<DistanceResidual, LengthInFile<LengthKind::h
                                     LengthInFile<LengthKind::ball_bar>, LengthInFile<LengthKind::dial>, PointResidual>;
 
 template <>
-struct List<Suspect> : OfCalibration {
-  static constexpr std::string_view kName = "suspect", kTitle = "Suspect", kMeaning = "A possible outlier.";
+struct List<Suspect> {
+  static constexpr Place kPlace{kCalibrationSchema, "suspect", "Suspect", "A possible outlier."};
   static void fields(auto&& field) {
     field("reading", &Suspect::text, "which");
     field("statistic", &Suspect::statistic, "F statistic of excluding it", kNotNegative);
@@ -105,8 +103,8 @@ struct List<Suspect> : OfCalibration {
 };
 
 template <>
-struct List<RigidMotion> : OfCalibration {
-  static constexpr std::string_view kName = "body_place", kTitle = "Body place", kMeaning = "";
+struct List<RigidMotion> {
+  static constexpr Place kPlace{kCalibrationSchema, "body_place", "Body place"};
   static void fields(auto&& field) {
     field("rotation", &RigidMotion::rotation, "rows; what carries it = rotation · body + translation");
     field("translation_mm", &RigidMotion::translation, "");
@@ -114,8 +112,8 @@ struct List<RigidMotion> : OfCalibration {
 };
 
 template <>
-struct List<SeriesFrame> : OfCalibration {
-  static constexpr std::string_view kName = "frame", kTitle = "Series frame", kMeaning = "Position of an instrument.";
+struct List<SeriesFrame> {
+  static constexpr Place kPlace{kCalibrationSchema, "frame", "Series frame", "Position of an instrument."};
   static void fields(auto&& field) {
     using Of = SeriesFrame;
     const auto rotation = [](const Of& of) { return of.frame.rotation; };
@@ -134,9 +132,8 @@ template <LengthKind kKind>
 struct SetUpInFile : FoundSetUp {};
 
 template <LengthKind kKind>
-struct List<SetUpInFile<kKind>> : OfCalibration {
-  static constexpr std::string_view kName = LengthNames<kKind>::kSetUp, kTitle = LengthNames<kKind>::kSetUpTitle,
-                                    kMeaning = LengthNames<kKind>::kMeaning;
+struct List<SetUpInFile<kKind>> {
+  static constexpr Place kPlace = LengthPlaces<kKind>::kSetUp;
   using Of = SetUpInFile<kKind>;
 
   /// A number that the setup's own model states under this key.

@@ -10,13 +10,11 @@ namespace paracal::io {
 template <>
 inline constexpr std::size_t kNames<Conformity> = 3;
 
-struct OfValidation {
-  static constexpr std::string_view kFile = "validation.schema.json";
-};
+inline constexpr std::string_view kValidationSchema = "validation.schema.json";
 
 template <>
-struct List<PoseCriteria> : OfValidation {
-  static constexpr std::string_view kName = "iso9283_pose", kTitle = "Iso 9283 pose", kMeaning = "";
+struct List<PoseCriteria> {
+  static constexpr Place kPlace{kValidationSchema, "iso9283_pose", "Iso 9283 pose"};
   static void fields(auto&& field) {
     using Of = PoseCriteria;
     constexpr Form kRotation{.factor = kDegrees, .may_lack = true};
@@ -33,9 +31,9 @@ struct List<PoseCriteria> : OfValidation {
 };
 
 template <>
-struct List<Iso9283> : OfValidation {
-  static constexpr std::string_view kName = "iso9283", kTitle = "Iso 9283",
-                                    kMeaning = "ISO 9283 of the uncompensated machine, from repeats.";
+struct List<Iso9283> {
+  static constexpr Place kPlace{kValidationSchema, "iso9283", "Iso 9283",
+                                "ISO 9283 of the uncompensated machine, from repeats."};
   static void fields(auto&& field) {
     field("max_AP_mm", &Iso9283::max_AP, "positioning accuracy, worst pose");
     field("max_RP_mm", &Iso9283::max_RP, "positioning repeatability, worst pose");
@@ -46,8 +44,8 @@ struct List<Iso9283> : OfValidation {
 };
 
 template <>
-struct List<LimitCheck> : OfValidation {
-  static constexpr std::string_view kName = "limit_check", kTitle = "Limit check", kMeaning = "A limit, checked.";
+struct List<LimitCheck> {
+  static constexpr Place kPlace{kValidationSchema, "limit_check", "Limit check", "A limit, checked."};
   static void fields(auto&& field) {
     using Of = LimitCheck;
     field("quantity", &Of::quantity, "with its unit");
@@ -67,9 +65,8 @@ struct PoseErrorInFile {
 };
 
 template <>
-struct List<PoseErrorInFile> : OfValidation {
-  static constexpr std::string_view kName = "pose_error", kTitle = "Pose error",
-                                    kMeaning = "Error of a pose relative to home.";
+struct List<PoseErrorInFile> {
+  static constexpr Place kPlace{kValidationSchema, "pose_error", "Pose error", "Error of a pose relative to home."};
   static void fields(auto&& field) {
     using Of = PoseErrorInFile;
     const auto rotation = [](const Of& of) {
@@ -108,8 +105,8 @@ struct PoseInFile {
 };
 
 template <>
-struct List<PoseInFile> : OfValidation {
-  static constexpr std::string_view kName = "validated_pose", kTitle = "Validated pose", kMeaning = "";
+struct List<PoseInFile> {
+  static constexpr Place kPlace{kValidationSchema, "validated_pose", "Validated pose"};
   static void fields(auto&& field) {
     using Of = PoseInFile;
     constexpr Form kRotation{.factor = kDegrees, .may_lack = true};
@@ -126,9 +123,8 @@ struct List<PoseInFile> : OfValidation {
 };
 
 template <>
-struct List<CheckedReading> : OfValidation {
-  static constexpr std::string_view kName = "checked_reading", kTitle = "Checked reading",
-                                    kMeaning = "A distance or a length.";
+struct List<CheckedReading> {
+  static constexpr Place kPlace{kValidationSchema, "checked_reading", "Checked reading", "A distance or a length."};
   static void fields(auto&& field) {
     using Of = CheckedReading;
     field("reading", &Of::text, "which");
@@ -141,8 +137,8 @@ struct List<CheckedReading> : OfValidation {
 };
 
 template <>
-struct List<Agreement> : OfValidation {
-  static constexpr std::string_view kName = "agreement", kTitle = "Agreement", kMeaning = "";
+struct List<Agreement> {
+  static constexpr Place kPlace{kValidationSchema, "agreement", "Agreement"};
   static void fields(auto&& field) {
     using Of = Agreement;
     field("chi_square", &Of::chi_square, "of the residuals, with the uncertainty of the calibration and the noise");
@@ -156,8 +152,8 @@ struct List<Agreement> : OfValidation {
 };
 
 template <>
-struct List<Validation> : OfValidation {
-  static constexpr std::string_view kName = "", kTitle = "Validation", kMeaning = "What `validate --json` prints.";
+struct List<Validation> {
+  static constexpr Place kPlace{kValidationSchema, "", "Validation", "What `validate --json` prints."};
   using Of = Validation;
 
   /// Each relative to the first pose of its series.

@@ -39,18 +39,21 @@ inline constexpr Form kSize{.least = 0.0, .most = kLargest};
 inline constexpr Form kShare{.least = 0.0, .most = 1.0};
 inline constexpr Form kCount{.least = 0.0, .most = 1e12};
 
-/// The list of a struct has
-///   kFile     of its schema: "calibration.schema.json"
-///   kName     there, among the parts: "stage"; empty for what the file as a whole describes
-///   kTitle    of its table in docs/json-keys.md and of its type on the page
-///   kMeaning  a sentence, or empty
-///   fields(field)  calls field(key, get, meaning, form) for each key in its order: get is a member or a function of
-///                  the struct, meaning stands in the documents, and form may be left out
+/// Where the schema of a struct stands, and what the documents say of it.
+struct Place {
+  std::string_view file;          ///< "calibration.schema.json"
+  std::string_view name = {};     ///< among its parts: "stage"; empty for what the file as a whole describes
+  std::string_view title;         ///< of its table in docs/json-keys.md and of its type on the page
+  std::string_view meaning = {};  ///< a sentence
+};
+
+/// The list of a struct has its kPlace, and fields(field), which calls field(key, get, meaning, form) for each key in
+/// its order: get is a member or a function of the struct, meaning stands in the documents, form may be left out.
 template <typename Struct>
 struct List;
 template <typename T>
 concept Listed = requires {
-  List<T>::kName;
+  List<T>::kPlace;
 };
 
 /// The words of an enumeration in files, in its order.

@@ -2,6 +2,8 @@
 
 // Private to io: the JSON Schemas (draft 2020-12) of structs with a list of fields.
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <set>
 #include <string>
@@ -36,8 +38,9 @@ class SchemaFile {
 
   template <typename Struct>
   Json object() {
-    Json schema{{"title", List<Struct>::kTitle}};
-    if (!List<Struct>::kMeaning.empty()) schema["description"] = List<Struct>::kMeaning;
+    constexpr Place place = List<Struct>::kPlace;
+    Json schema{{"title", place.title}};
+    if (!place.meaning.empty()) schema["description"] = place.meaning;
     schema["type"] = "object";
     Json properties = Json::object(), required = Json::array();
     List<Struct>::fields(
@@ -56,11 +59,12 @@ class SchemaFile {
 
   template <typename Struct>
   Json reference() {
-    const std::string part = "#/$defs/" + std::string(List<Struct>::kName);
-    if (List<Struct>::kFile != name_) return {{"$ref", std::string(List<Struct>::kFile) + part}};
+    constexpr Place place = List<Struct>::kPlace;
+    const std::string part = fmt::format("#/$defs/{}", place.name);
+    if (place.file != name_) return {{"$ref", std::string(place.file) + part}};
     if (known_.insert(part).second) {
       Json schema = object<Struct>();  // first, so that the parts of a part stand before it
-      parts_[std::string(List<Struct>::kName)] = std::move(schema);
+      parts_[std::string(place.name)] = std::move(schema);
     }
     return {{"$ref", part}};
   }
