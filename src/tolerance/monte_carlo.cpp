@@ -94,7 +94,10 @@ class Sampler {
         [&](std::uint64_t chunk, const std::string& result) {
           Sums sums = empty_sums();
           Counts counts(requirements_.size());
-          add_json(Json::parse(result), std::min(kChunk, more - chunk * kChunk), sums, counts);
+          const std::uint64_t machines = std::min(kChunk, more - chunk * kChunk);
+          add_json(Json::parse(result), machines, sums, counts);
+          const auto is_whole = [&](const Histogram& one) { return one.total() == machines - counts.not_closed; };
+          if (!std::ranges::all_of(counts.largest, is_whole)) throw Error("expected a value of each machine");
         });
     if (!results) return false;
     for (const std::string& result : *results) add_json(Json::parse(result), more, sums_, counts_);
@@ -205,6 +208,12 @@ class Sampler {
     array += Eigen::Map<const Array>(values.data(), array.rows(), array.cols());
   }
 
+  static const Json::array_t& list_of(const Json& json, std::size_t size) {
+    const auto& list = json.get_ref<const Json::array_t&>();
+    if (list.size() != size) throw Error("expected a list with an entry for each requirement");
+    return list;
+  }
+
   /// Whole, and at most so large.
   static std::uint64_t count_of(const Json& json, std::uint64_t most) {
     const auto& count = json.get_ref<const std::uint64_t&>();
@@ -236,9 +245,11 @@ class Sampler {
     add_numbers(json.at("fourth_powers"), sums.fourth_powers);
     counts.passed_all += count_of(json.at("passed_all"), machines);
     counts.not_closed += count_of(json.at("not_closed"), machines);
+    const auto& passed = list_of(json.at("passed"), counts.passed.size());
+    const auto& largest = list_of(json.at("largest"), counts.passed.size());
     for (std::size_t k = 0; k < counts.passed.size(); ++k) {
-      counts.passed[k] += count_of(json.at("passed").at(k), machines);
-      for (const Json& bin : json.at("largest").at(k)) {
+      counts.passed[k] += count_of(passed[k], machines);
+      for (const Json& bin : largest[k].get_ref<const Json::array_t&>()) {
         const std::uint64_t number = count_of(bin.at(0), Histogram::kBins - 1);
         counts.largest[k].add(static_cast<std::uint32_t>(number), count_of(bin.at(1), machines));
       }

@@ -296,6 +296,27 @@ TEST(ErrorSpread, ScrapHasNoErrorAndDoesNotPass) {
   EXPECT_LT(yield(tally, 0.95).interval.high, 0.94);
 }
 
+/// Of a part without pairs too, where no row shows that a column is none.
+TEST(BatchSurrogate, RefusesPartsOfAnotherType) {
+  using io::Json;
+  Tally none;
+  none.first_order.emplace();
+  const Json json = io::tally_json(none);
+  EXPECT_EQ(io::tally_json(io::tally_of(json)).dump(), json.dump());
+  for (const char* place :
+       {"/fates", "/pairs/machine", "/pairs/fate", "/pairs/passes", "/pairs/first_order", "/pairs/first_order/0",
+        "/pairs/exact/10", "/first_order/used_up", "/first_order/before/tilt"}) {
+    for (const Json& wrong : {Json(), Json(""), Json(5), Json::object(), Json::array({"x"})}) {
+      Json changed = json;
+      changed[Json::json_pointer(place)] = wrong;
+      EXPECT_THROW((void)io::tally_of(changed), std::exception) << place << ": " << wrong;
+    }
+  }
+  Json longer = json;
+  longer["fates"].push_back(0U);
+  EXPECT_THROW((void)io::tally_of(longer), std::exception);
+}
+
 /// Parts of either kind, in any order and over threads, are the same to the last bit.
 TEST(BatchSurrogate, PartsMergeInAnyOrderAndOverThreads) {
   Batch batch{.robot = catalogue::huang2016(), .plan = {}, .seed = 3};

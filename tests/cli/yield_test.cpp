@@ -600,7 +600,10 @@ TEST_F(Yield, AResultOfAnotherTypeIsMadeAgain) {
             {[](Json& result) { result["passed_all"] = -1; }, [](Json& result) { result["not_closed"] = 0.5; },
              [](Json& result) { result["components"][0] = "x"; }, [](Json& result) { result["squares"] = 3; },
              [](Json& result) { result["passed"][0] = 1000; }, [](Json& result) { result["largest"][0][0][0] = 99999; },
-             [](Json& result) { result["largest"][0][0][1] = "x"; }, [](Json& result) { result = Json::array(); }}}}) {
+             [](Json& result) { result["largest"][0][0][1] = "x"; },
+             [](Json& result) { result["largest"][0] = Json::object(); },
+             [](Json& result) { result["largest"][0].erase(0); }, [](Json& result) { result["passed"].push_back(0); },
+             [](Json& result) { result = Json::array(); }}}}) {
     const ProgramResult alone = folder.run(one.command);
     const std::string kept = one.command + " --checkpoint folder";
     EXPECT_EQ(folder.run(kept).out, alone.out) << alone.err;

@@ -14,6 +14,13 @@ std::uint64_t count_of(const Json& json, std::uint64_t most) {
   return count;
 }
 
+/// @throws Json::exception for anything but a list, std::out_of_range for one of another length.
+const Json::array_t& list_of(const Json& json, std::size_t size) {
+  const auto& list = json.get_ref<const Json::array_t&>();
+  if (list.size() != size) throw std::out_of_range("list");
+  return list;
+}
+
 /// [first bin, its count, that of the next, ...]: half as long as pairs, and packs three times as well.
 Json histogram_json(const Histogram& histogram) {
   Json json = Json::array();
@@ -28,10 +35,12 @@ Json histogram_json(const Histogram& histogram) {
 
 Histogram histogram_of(const Json& json, std::uint64_t machines) {
   Histogram histogram;
-  for (std::size_t k = 1; k < json.size(); ++k) {
-    const std::uint64_t bin = count_of(json[0], Histogram::kBins - 1) + k - 1;
+  const auto& entries = json.get_ref<const Json::array_t&>();
+  const std::uint64_t first = entries.empty() ? 0 : count_of(entries[0], Histogram::kBins - 1);
+  for (std::size_t k = 1; k < entries.size(); ++k) {
+    const std::uint64_t bin = first + k - 1;
     if (bin >= Histogram::kBins) throw std::out_of_range("bin");
-    histogram.add(static_cast<std::uint32_t>(bin), count_of(json[k], machines));
+    histogram.add(static_cast<std::uint32_t>(bin), count_of(entries[k], machines));
   }
   if (histogram.total() != machines) throw std::out_of_range("total");
   return histogram;
@@ -94,10 +103,11 @@ Json columns_json(const std::vector<MachinePair>& pairs, ErrorBins MachinePair::
 }
 
 void read_columns(const Json& columns, std::vector<MachinePair>& pairs, ErrorBins MachinePair::*which) {
+  const auto& all = list_of(columns, kBinsOfAMachine);
   for (std::size_t k = 0; k < kBinsOfAMachine; ++k) {
+    const auto& column = list_of(all[k], pairs.size());
     for (std::size_t row = 0; row < pairs.size(); ++row) {
-      *bins_in_order(pairs[row].*which)[k] =
-          static_cast<std::uint32_t>(count_of(columns.at(k).at(row), Histogram::kBins - 1));
+      *bins_in_order(pairs[row].*which)[k] = static_cast<std::uint32_t>(count_of(column[row], Histogram::kBins - 1));
     }
   }
 }
@@ -111,11 +121,13 @@ Json pairs_json(const std::vector<MachinePair>& pairs) {
 }
 
 std::vector<MachinePair> pairs_of(const Json& json) {
-  std::vector<MachinePair> pairs(json.at("machine").size());
+  const auto& machine = json.at("machine").get_ref<const Json::array_t&>();
+  std::vector<MachinePair> pairs(machine.size());
+  const auto &fate = list_of(json.at("fate"), pairs.size()), &passes = list_of(json.at("passes"), pairs.size());
   for (std::size_t row = 0; row < pairs.size(); ++row) {
-    pairs[row].machine = json.at("machine").at(row).get_ref<const std::uint64_t&>();
-    pairs[row].fate = kFates.at(count_of(json.at("fate").at(row), kFates.size() - 1));
-    pairs[row].passes = count_of(json.at("passes").at(row), 1) == 1;
+    pairs[row].machine = machine[row].get_ref<const std::uint64_t&>();
+    pairs[row].fate = kFates.at(count_of(fate[row], kFates.size() - 1));
+    pairs[row].passes = count_of(passes[row], 1) == 1;
   }
   read_columns(json.at("first_order"), pairs, &MachinePair::first_order);
   read_columns(json.at("exact"), pairs, &MachinePair::exact);
@@ -137,8 +149,9 @@ Json tally_json(const Tally& tally) {
 
 Tally tally_of(const Json& json) {
   Tally tally;
+  const auto& fates = list_of(json.at("fates"), kFates.size());
   for (const Fate fate : kFates) {
-    tally.of(fate) = json.at("fates").at(static_cast<std::size_t>(fate)).get_ref<const std::uint64_t&>();
+    tally.of(fate) = fates[static_cast<std::size_t>(fate)].get_ref<const std::uint64_t&>();
   }
   const std::uint64_t measured = tally.produced() - tally.of(Fate::does_not_close);
   tally.passed = count_of(json.at("passed"), measured);
