@@ -321,6 +321,20 @@ const std::vector<BrokenInput> kCalibrations{
                 replaced(kCalibration, "\"covariance\"",
                          "\"residuals\": [{\"pose\": \"P1\", \"after_mm\": [1, 2]}],\n\"covariance\""),
                 {"calibration.json:11: ", "after_mm"}),
+    calibration(
+        "residual_from_a_number",
+        replaced(kCalibration, "\"covariance\"",
+                 "\"residuals\": [{\"from\": 5, \"to\": \"P2\", \"distance_mm\": 3, \"before_mm\": 0, \"after_mm\": 0, "
+                 "\"excluded\": false}],\n\"covariance\""),
+        {"calibration.json:11: ", "from: expected a text, got 5"}),
+    calibration(
+        "residual_after_text",
+        replaced(kCalibration, "\"covariance\"",
+                 "\"residuals\": [{\"series\": \"a.csv\", \"pose\": \"P1\", \"before_mm\": [0, 0, 0],\n\"after_mm\": "
+                 "\"x\", \"excluded\": false}],\n\"covariance\""),
+        {"calibration.json:12: ", "after_mm: expected an array, got \"x\""}),
+    calibration("joint_std_null", replaced(kCalibration, "\"covariance\"", "\"joint_std_deg\": null,\n\"covariance\""),
+                {"calibration.json:11: ", "joint_std_deg: expected an array, got null"}),
     calibration("prior_of_text", replaced(kCalibration, "\"unit\": \"mm\"", "\"unit\": \"mm\", \"prior_std\": \"x\""),
                 {"calibration.json:9: ", "prior_std: expected a number or null, got \"x\""}),
     calibration("day_of_no_year",

@@ -78,7 +78,7 @@ TEST(RobotOfACalibration, MustBeWhole) {
   json["geometry"].erase("rod_mm");
   refused(json, "expected geometry.rod_mm");
   json["geometry"]["rod_mm"] = nullptr;
-  refused(json, "null");
+  refused(json, "rod_mm: expected a value, got null");
   Json deep = 1;
   for (int k = 0; k < 50; ++k) deep = Json::array({deep});
   json["geometry"]["rod_mm"] = deep;

@@ -111,12 +111,12 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
   Eigen::MatrixXd covariance(n, n);
   const std::vector<JsonNode> rows = node->entries();
   if (rows.size() != parameters.size()) {
-    node->refuse(fmt::format("expected a covariance of {} rows, got {}", n, rows.size()));
+    node->refuse(fmt::format("expected a {} of {} rows, got {}", key, n, rows.size()));
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::vector<double> row = rows[i].numbers();
     if (row.size() != rows.size()) {
-      rows[i].refuse(fmt::format("expected a square covariance, got {} entries in row {}", row.size(), i + 1));
+      rows[i].refuse(fmt::format("expected a square {}, got {} entries in row {}", key, row.size(), i + 1));
     }
     for (std::size_t k = 0; k < row.size(); ++k) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
@@ -129,17 +129,17 @@ Eigen::MatrixXd read_covariance(const JsonNode& calibration, const char* key,
 
 /// Standard deviations of the joints; nothing where none was stated. Files of before have one for all.
 Eigen::VectorXd read_joints(const JsonNode& calibration, const char* key, const Robot& robot) {
-  const auto node = calibration.find(key);
+  if (!calibration.json().contains(key)) return {};
+  const JsonNode node = calibration.at(key);  // null, too: without them U would be too small
   const auto joints = static_cast<Eigen::Index>(robot.limb_count());
   const Unit unit = joint_unit(robot.actuator());
-  if (!node) return {};
-  if (node->json().is_number()) {
-    const double std = from_file_unit(unit, node->number(kStd));
+  if (node.json().is_number()) {
+    const double std = from_file_unit(unit, node.number(kStd));
     return std > 0.0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(joints, std)) : Eigen::VectorXd();
   }
-  const std::vector<JsonNode> entries = node->entries();
+  const std::vector<JsonNode> entries = node.entries();
   if (!entries.empty() && std::ssize(entries) != joints) {
-    node->refuse(fmt::format("{}: expected {} numbers, one for each joint, got {}", key, joints, entries.size()));
+    node.refuse(fmt::format("{}: expected {} numbers, one for each joint, got {}", key, joints, entries.size()));
   }
   Eigen::VectorXd std(std::ssize(entries));
   std::ranges::transform(entries, std.begin(),
@@ -179,7 +179,9 @@ void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMach
   };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::vector<double> row = rows[i].numbers();
-    if (row.size() != count) rows[i].refuse(fmt::format("expected {} numbers, got {}", count, row.size()));
+    if (row.size() != count) {
+      rows[i].refuse(fmt::format("drive_covariance: expected {} numbers in each row, got {}", count, row.size()));
+    }
     for (std::size_t k = 0; k < count; ++k) {
       machine.drive_covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
           row[k] / factor(machine.parameters.size() + i) / factor(k);

@@ -161,7 +161,10 @@ bool JsonNode::flag() const {
 void JsonNode::refuse(const std::string& complaint) const { throw InputFileError(file_->name, line(), complaint); }
 
 void JsonNode::refuse_as(std::string_view expected) const {
-  refuse(fmt::format("{}: expected {}, got {}", what_, expected, value_->dump()));
+  constexpr std::size_t kShown = 200;  // of a value that may be a whole table
+  std::string got = value_->dump();
+  if (got.size() > kShown) got = value_->dump(-1, ' ', true).substr(0, kShown) + " ...";
+  refuse(fmt::format("{}: expected {}, got {}", what_, expected, got));
 }
 
 }  // namespace paracal::io

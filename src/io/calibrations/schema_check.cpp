@@ -139,25 +139,39 @@ class Walk {
     return std::nullopt;
   }
 
-  /// Of those that all forbid the value, the complaint of the one that was followed furthest.
+  /// Of those that all forbid the value, the complaint of the one that was followed furthest. An object is of those
+  /// that know all its keys, if any does: another might pass over the key that is wrong.
   std::optional<std::string> of_alternatives(Rule alternatives, const Json& value) {
+    std::vector<Rule> all;
+    for (const Json& one : *alternatives.schema) all.push_back({&one, alternatives.file});
+    const auto others = std::ranges::stable_partition(all, [&](Rule one) { return knows_keys(one, value); });
+    if (others.size() < all.size()) all.erase(others.begin(), others.end());
     std::optional<std::string> found;
     std::vector<std::string> place;
     const std::vector<std::string> here = path_;
-    for (const Json& one : *alternatives.schema) {
-      auto said = complaint({&one, alternatives.file}, value);
-      if (!said) {
-        path_ = here;
-        return std::nullopt;
-      }
-      if (!found || path_.size() > place.size()) {
-        found = std::move(said);
+    int furthest = -1;
+    for (const Rule& one : all) {
+      const int before = followed_;
+      auto said = complaint(one, value);
+      if (said && followed_ - before > furthest) {
+        furthest = followed_ - before;
+        found = said;
         place = path_;
       }
       path_ = here;
+      if (!said) return std::nullopt;
     }
     path_ = std::move(place);
     return found;
+  }
+
+  static bool knows_keys(Rule rule, const Json& value) {
+    if (!value.is_object()) return true;
+    if (rule.schema->contains("$ref")) rule = referred(*rule.file, (*rule.schema)["$ref"]);
+    for (const auto& item : value.items()) {
+      if (of_key(*rule.schema, item.key()) == nullptr) return false;
+    }
+    return true;
   }
 
   std::optional<std::string> of_parts(Rule rule, const Json& value) {
@@ -190,6 +204,7 @@ class Walk {
 
   std::optional<std::string> below(Rule rule, std::string key, const Json& value) {
     path_.push_back(std::move(key));
+    ++followed_;
     auto found = complaint(rule, value);
     if (!found) path_.pop_back();
     return found;
@@ -197,6 +212,7 @@ class Walk {
 
   std::span<const std::string_view> passed_over_;
   std::vector<std::string> path_ = {};  ///< keys, and places in arrays
+  int followed_ = 0;                    ///< values so far
 };
 
 }  // namespace

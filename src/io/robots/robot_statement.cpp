@@ -112,8 +112,7 @@ void convert(const Json& json, int depth, const auto& add) {
   if (json.is_array()) return add(toml_of_array(json, depth));
   if (json.is_number()) return add(json.get<double>());
   if (json.is_boolean()) return add(json.get<bool>());
-  if (json.is_string()) return add(json.get<std::string>());
-  throw InvalidArgument("expected a robot, got null in it");
+  add(json.get<std::string>());  // of null, refuse_null() came before
 }
 
 toml::array toml_of_array(const Json& json, int depth) {
@@ -122,6 +121,17 @@ toml::array toml_of_array(const Json& json, int depth) {
     convert(value, depth + 1, [&](auto&& one) { array.push_back(std::forward<decltype(one)>(one)); });
   }
   return array;
+}
+
+/// TOML has no null.
+void refuse_null(const JsonNode& node, int depth) {
+  if (node.json().is_null()) node.refuse_as("a value");
+  if (depth > kDeepestRobot) return;
+  if (node.json().is_array()) {
+    for (const JsonNode& one : node.entries()) refuse_null(one, depth + 1);
+  }
+  if (!node.json().is_object()) return;
+  for (const auto& item : node.json().items()) refuse_null(node.at(item.key().c_str()), depth + 1);
 }
 
 }  // namespace
@@ -162,6 +172,7 @@ std::optional<RobotStatement> robot_of_table(const TextFile& file) {
 }
 
 Robot robot_in(const JsonNode& node, const std::string& file) {
+  refuse_null(node, 0);
   try {
     return robot_of(file, toml_of_object(node.json(), 0));
   } catch (const InvalidArgument& complaint) {
