@@ -87,6 +87,16 @@ TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
   refused("\n[joints]\nmax_speed_deg_per_s = 0\nmax_acceleration_deg_per_s2 = 9\n", "above 0");
 }
 
+TEST(RobotFile, LimbsAreTables) {
+  for (const auto& [limbs, complaint] : {std::pair{"5", "r.toml:2: expected an array of tables for limb, got a number"},
+                                         {"[5]", "r.toml:2: expected a table for limb, got a number"}}) {
+    EXPECT_THAT(([&, limbs = std::string(limbs)] {
+                  (void)read_robot({"r.toml", "name = \"r\"\nlimb = " + limbs});
+                }),
+                testing::ThrowsMessage<InputFileError>(complaint));
+  }
+}
+
 TEST(RobotFile, RefusesMoreLimbsThanAnyRobotHas) {
   std::string text = robot_toml(catalogue::rotary_delta());
   std::string azimuths;

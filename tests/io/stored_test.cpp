@@ -104,5 +104,15 @@ TEST(StoredToml, IsShort) {
   EXPECT_EQ(parse_toml({"f", "# " + std::string(1'000'000, 'x') + "\na = 1\n"}).size(), 1U);
 }
 
+TEST(StoredToml, IsNotNestedWithoutEnd) {
+  const auto nested = [](std::size_t levels) {
+    return parse_toml({"f", "a = 1\nb = " + repeated("[", levels) + repeated("]", levels) + "\n"}).size();
+  };
+  EXPECT_EQ(nested(64), 2U);
+  EXPECT_THAT([&] { nested(65); },
+              ThrowsMessage<InputFileError>("f:2: expected at most 64 levels of nesting, got more"));
+  EXPECT_EQ(parse_toml({"f", repeated("[[a]]\nb = [[1], {c = 1}]\n", 100)}).size(), 1U);
+}
+
 }  // namespace
 }  // namespace paracal::io::stored_test

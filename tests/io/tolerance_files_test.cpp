@@ -58,6 +58,14 @@ TEST(ToleranceFile, OthersAreGenerousWhereItSaysSo) {
                                            HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr(" e "))));
 }
 
+/// The table may stand in a robot file; beside it a misspelt one would be passed over.
+TEST(ToleranceFile, BesideItStandsNothingUnknown) {
+  const std::string table = "[tolerances]\n" + kAll + "beta2_deg = 1\n";
+  EXPECT_EQ(read(robot_toml(kRobot))["rod_mean"], (*kRobot.tolerances())["rod_mean"]);
+  EXPECT_THAT([&] { read(table + "[tolerance.measured]\nbeta2_deg = [0.1]\n"); },
+              testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:14: "), HasSubstr("got \"tolerance\""))));
+}
+
 TEST(ToleranceFile, OthersAreOneOfTwo) {
   EXPECT_THAT([] { read("e_mm = 0.1\nothers = \"tight\"\n"); },
               testing::ThrowsMessage<InputFileError>(AllOf(StartsWith("t.toml:2: "), HasSubstr("\"tight\""))));

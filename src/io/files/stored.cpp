@@ -186,4 +186,15 @@ std::optional<int> line_of_endless_key(std::string_view text) {
   return std::nullopt;
 }
 
+std::optional<int> line_of_deep_nesting(std::string_view text) {
+  Bare bare(text);
+  int levels = 0;
+  for (char one = bare.next(); one != '\0'; one = bare.next()) {
+    if (one == '[' || one == '{') ++levels;
+    if (one == ']' || one == '}') --levels;
+    if (levels > kStoredLimits.levels) return bare.line();
+  }
+  return std::nullopt;
+}
+
 }  // namespace paracal::io

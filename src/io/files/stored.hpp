@@ -34,3 +34,6 @@ int line_at(std::string_view text, std::size_t byte);
 std::optional<int> line_of_endless_key(std::string_view text);
 
 }  // namespace paracal::io
+/// Line of the first value of a TOML text within more than StoredLimits::levels others, from 1.
+std::optional<int> line_of_deep_nesting(std::string_view text);
+

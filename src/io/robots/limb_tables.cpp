@@ -99,8 +99,9 @@ std::string toml_value(const Json& value) {
 }  // namespace
 
 bool define_limbs(const toml::table& document) {
-  const toml::array* limbs = document["limb"].as_array();
-  return !document.contains("geometry") && limbs != nullptr && !limbs->empty() && limbs->front().is_table();
+  const toml::node* limbs = document.get("limb");  // of another type: it is what is wrong, not the missing geometry
+  const bool is_empty = limbs != nullptr && limbs->is_array() && limbs->as_array()->empty();
+  return !document.contains("geometry") && limbs != nullptr && !is_empty;
 }
 
 PlateFreedoms freedoms_of(Section plate) {

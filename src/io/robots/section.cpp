@@ -150,6 +150,10 @@ toml::table parse_toml(const TextFile& file) {
     throw InputFileError(file.name, *line,
                          fmt::format("expected keys of at most {} parts, got more", kStoredLimits.levels));
   }
+  if (const auto line = line_of_deep_nesting(file.text)) {
+    throw InputFileError(file.name, *line,
+                         fmt::format("expected at most {} levels of nesting, got more", kStoredLimits.levels));
+  }
   try {
     return toml::parse(file.text, file.name);
   } catch (const toml::parse_error& error) {

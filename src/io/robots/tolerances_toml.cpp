@@ -204,8 +204,13 @@ std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot) {
 Tolerances read_tolerances(const TextFile& file, const Robot& robot) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  return tolerances_of(root.find("tolerances") != nullptr ? root.table("tolerances") : root, robot.geometry(),
-                       robot.intended());
+  if (root.find("tolerances") == nullptr) return tolerances_of(root, robot.geometry(), robot.intended());
+  // The table may stand in a robot file.
+  for (const char* key : {"name", "geometry", "plate", "limb", "workspace", "controller", "joints", "error"}) {
+    (void)root.find(key);
+  }
+  root.refuse_others();
+  return tolerances_of(root.table("tolerances"), robot.geometry(), robot.intended());
 }
 
 }  // namespace paracal::io
