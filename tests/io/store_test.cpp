@@ -8,6 +8,7 @@
 
 #include <filesystem>
 
+#include "io/files/stored.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io::store_test {
@@ -155,6 +156,13 @@ TEST_F(Stores, WhatOthersMakeInASharedFolderIsNotUsed) {
   }
   for (const char* name : {"link", "own/../secret"}) {
     EXPECT_THAT([&] { read_file(shared / name); }, is_refused) << name;
+  }
+  std::filesystem::create_directory(shared / "folder");
+  write_file(shared / "folder/file", "theirs");
+  give_away(shared / "folder");
+  for (const char* name : {"theirs", "folder/file"}) {  // a person names them; a file that includes them may not
+    EXPECT_EQ(read_file(shared / name).text, "theirs");
+    EXPECT_THAT([&] { read_included(shared / name); }, is_refused) << name;
   }
   EXPECT_EQ(text("secret"), "private");
   EXPECT_EQ(text("shared/theirs"), "theirs");

@@ -25,8 +25,8 @@ namespace {
 class Input {
  public:
   /// Opens without waiting: a pipe may have nobody who writes.
-  explicit Input(const std::filesystem::path& path) : name_(path.string()) {
-    const Place place = place_of(path, Use::read);
+  explicit Input(const std::filesystem::path& path, Use use = Use::read) : name_(path.string()) {
+    const Place place = place_of(path, use);
     if (!place.is_reached()) refuse("cannot be read: " + place.why_not());
     if (place.is_folder()) refuse("expected a file, got a folder");
     file_ = place.open(O_RDONLY | O_NONBLOCK | O_NOCTTY);
@@ -101,6 +101,11 @@ class InputStream : public std::istream {
   InputBuffer buffer_;
 };
 
+std::string bytes_of_regular(const Input& input) {
+  if (!input.is_regular()) input.refuse("expected a regular file, got a pipe or device; copy what it gives to a file");
+  return input.read_all();
+}
+
 TextFile decoded_file(const std::filesystem::path& path, std::string bytes) {
   TextFile file{path.string(), std::move(bytes)};
   try {
@@ -123,13 +128,13 @@ std::unique_ptr<std::istream> open_file(const std::filesystem::path& path) {
 
 TextFile read_file(const std::filesystem::path& path) { return decoded_file(path, Input(path).read_all()); }
 
-std::string stored_bytes(const std::filesystem::path& path) {
-  const Input input(path);
-  if (!input.is_regular()) input.refuse("expected a regular file, got a pipe or device; copy what it gives to a file");
-  return input.read_all();
-}
+std::string stored_bytes(const std::filesystem::path& path) { return bytes_of_regular(Input(path)); }
 
 TextFile read_stored(const std::filesystem::path& path) { return decoded_file(path, stored_bytes(path)); }
+
+TextFile read_included(const std::filesystem::path& path) {
+  return decoded_file(path, bytes_of_regular(Input(path, Use::read_included)));
+}
 
 std::string encoded(std::string_view text, Encoding encoding) {
   if (encoding == Encoding::bytes) return std::string(text);

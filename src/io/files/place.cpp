@@ -86,6 +86,7 @@ class Walk {
     if (!place_.exists() && !(is_last && errno == ENOENT)) return fail(errno);
     if (S_ISLNK(place_.entry.st_mode)) return step_through(entry, is_last);
     if (is_last) return arrive();
+    if (use_ == Use::read_included && is_of_another()) return refuse();
     place_.path /= place_.name;
     place_.folder = std::move(entry);
   }
@@ -96,7 +97,7 @@ class Walk {
     if (is_foreign(place_.entry, status_of(place_.folder))) return refuse();
     if (is_last && is_of_kernel(place_.folder)) {
       const struct stat behind = status_of(open_at(place_.folder, place_.name, O_PATH));
-      place_.is_link_of_kernel = behind.st_mode != 0 && (use_ == Use::read || !S_ISREG(behind.st_mode));
+      place_.is_link_of_kernel = behind.st_mode != 0 && (use_ != Use::write || !S_ISREG(behind.st_mode));
       if (place_.is_link_of_kernel) {
         place_.entry = behind;
         return arrive();
@@ -109,9 +110,13 @@ class Walk {
 
   void arrive() {
     place_.path /= place_.name;
+    if (use_ != Use::read && place_.exists() && !place_.is_folder() && is_of_another()) refuse();
+  }
+
+  /// In a folder where it would be removed by its owner alone.
+  bool is_of_another() const {
     const struct stat folder = status_of(place_.folder);
-    const bool is_shared = (folder.st_mode & S_ISVTX) != 0 && !place_.is_folder();
-    if (use_ == Use::write && place_.exists() && is_shared && is_foreign(place_.entry, folder)) refuse();
+    return (folder.st_mode & S_ISVTX) != 0 && is_foreign(place_.entry, folder);
   }
 
   void fail(int error) { place_.error = error; }

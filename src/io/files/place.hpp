@@ -35,11 +35,12 @@ struct Place {
   Descriptor open(int flags) const;
 };
 
-enum class Use : std::uint8_t { read, write };
+enum class Use : std::uint8_t { read, read_included, write };
 
-/// Follows a path. In a folder to which everybody can write, links and (to write) files of other users are not used:
-/// their owners could lead a program of root to any file. Linux has this rule as fs.protected_symlinks and
-/// fs.protected_regular, but not every system switches it on.
+/// Follows a path. In a folder to which everybody can write, links of other users are not used. If the folder is
+/// sticky, as /tmp, their files are not written either, and not read if another file includes them. Their owners could
+/// lead a program of root to any file. Linux has this rule as fs.protected_symlinks and fs.protected_regular, but not
+/// every system switches it on.
 /// @returns a place without an entry, too, if all folders before it are there.
 /// @throws InvalidArgument for a path with a zero character, behind which the kernel reads nothing.
 Place place_of(const std::filesystem::path& path, Use use);

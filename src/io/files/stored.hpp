@@ -27,13 +27,17 @@ inline constexpr StoredLimits kStoredLimits;
 /// @throws InputFileError for a folder, pipe or device, or one that is too long.
 std::string stored_bytes(const std::filesystem::path& path);
 
+/// A file that another file includes.
+/// @throws InputFileError also for a file of another user in a folder that everybody fills, such as /tmp.
+TextFile read_included(const std::filesystem::path& path);
+
 /// Line of a byte of a text, from 1.
 int line_at(std::string_view text, std::size_t byte);
 
 /// Line of the first dotted key of a TOML text with more than StoredLimits::levels parts, from 1.
 std::optional<int> line_of_endless_key(std::string_view text);
 
-}  // namespace paracal::io
 /// Line of the first value of a TOML text within more than StoredLimits::levels others, from 1.
 std::optional<int> line_of_deep_nesting(std::string_view text);
 
+}  // namespace paracal::io

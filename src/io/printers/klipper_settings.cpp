@@ -11,6 +11,7 @@
 #include <span>
 
 #include "io/files/letters.hpp"
+#include "io/files/stored.hpp"
 #include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 
@@ -135,7 +136,7 @@ void KlipperSettings::include(const Value& pattern, const std::vector<std::strin
     if (included_bytes_ > kMostBytes) {
       fail(pattern, fmt::format("expected at most {} MiB in all included files, got more", kMostBytes >> 20));
     }
-    add(read_stored(name), within);
+    add(read_included(name), within);
   }
 }
 

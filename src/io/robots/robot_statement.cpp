@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/calibrations/json_node.hpp"
+#include "io/files/stored.hpp"
 #include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
@@ -134,13 +135,18 @@ void refuse_null(const JsonNode& node, int depth) {
   for (const auto& item : node.json().items()) refuse_null(node.at(item.key().c_str()), depth + 1);
 }
 
-}  // namespace
-
-RobotStatement named_robot(const std::string& name, const std::filesystem::path& folder) {
+/// @param read  the file, where it is no name of the catalogue.
+RobotStatement robot_under(const std::string& name, const std::filesystem::path& folder, const auto& read) {
   const std::filesystem::path path(name);
   if (!is_file(path)) return {.robot = catalogue::find(name), .by = name};
   const std::filesystem::path file = folder / path;
-  return {.robot = read_robot(read_stored(file)), .by = file.string(), .robot_file = file};
+  return {.robot = read_robot(read(file)), .by = file.string(), .robot_file = file};
+}
+
+}  // namespace
+
+RobotStatement named_robot(const std::string& name, const std::filesystem::path& folder) {
+  return robot_under(name, folder, read_stored);
 }
 
 std::optional<RobotStatement> robot_of_line(const std::string& file, int line, std::string_view text) {
@@ -149,7 +155,7 @@ std::optional<RobotStatement> robot_of_line(const std::string& file, int line, s
   try {
     const std::filesystem::path folder = folder_of(file);
     require_robot_file(*name, folder);
-    RobotStatement stated = named_robot(*name, folder);
+    RobotStatement stated = robot_under(*name, folder, read_included);
     stated.by = file;
     stated.line = line;
     return stated;
