@@ -53,6 +53,12 @@ Option* Outputs::declare(Option* option) {
 bool Outputs::is_output(const Option& option) const { return std::ranges::find(options_, &option) != options_.end(); }
 
 void Outputs::check(const Command& command) const {
+  for (const Option& option : command.options()) {
+    const std::vector<std::string> values = option.values();
+    if (!is_output(option) && values.size() == 1 && values.front().empty()) {  // as "$FILE" is where none was set
+      throw WrongUsage(fmt::format("{}: expected a value, got \"\"; state one, or omit the option", option.name()));
+    }
+  }
   for (const Option& output : command.options()) {
     if (!is_output(output) || !output.is_given()) continue;
     const std::string file = output.values().front(), name = output.name();

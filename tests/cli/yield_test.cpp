@@ -663,6 +663,15 @@ TEST_F(Yield, RefusesAFolderThatCannotBeWritten) {
   }
 }
 
+/// As "$FOLDER" is where none was set: nothing would be kept of a long job, or a default would count instead of a file.
+TEST_F(Yield, RefusesEmptyNames) {
+  for (const char* option : {"--checkpoint", "--tolerances", "--poses", "--robot"}) {
+    const ProgramResult result = folder.run(std::vector<std::string>{"yield", "--machines", "2", option, ""});
+    EXPECT_EQ(result.exit_code, kWrongUsage) << option;
+    EXPECT_THAT(result.err, HasSubstr(fmt::format("{}: expected a value, got \"\"", option)));
+  }
+}
+
 TEST_F(Yield, RefusesNumbersThatCannotBeMeant) {
   for (const char* options : {"",
                               "--machines 0",
