@@ -113,7 +113,10 @@ class Calibration:
     @property
     def null_space(self) -> list[NullDirection]:
         """Parameter combinations that the readings do not determine."""
-        return [NullDirection(*one) for one in self._native.null_space]
+        return [
+            NullDirection(text, of_result(direction), gauge)
+            for text, direction, gauge in self._native.null_space
+        ]
 
     @property
     def noise_mm(self) -> float:

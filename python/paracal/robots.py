@@ -107,7 +107,11 @@ class Robot:
         """Dimensions that all limbs share. With limbs of one rod: `limb`, with one dict per limb as
         in robot files. The keys state the units."""
         described = json.loads(self._native.json())
-        return self._native.geometry if "geometry" in described else {"limb": described["limb"]}
+        if "geometry" not in described:
+            return {"limb": described["limb"]}
+        shared = self._native.geometry
+        of_result(shared["limb_azimuth_rad"])
+        return shared
 
     @property
     def workspace(self) -> dict[str, Any]:
