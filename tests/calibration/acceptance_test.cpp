@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "calibration/diagnosis/part_units.hpp"
 #include "calibration/fit/sought.hpp"
 #include "calibration/verdict/acceptance.hpp"
+#include "calibration/verdict/evidence.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/prediction.hpp"
@@ -145,6 +148,56 @@ TEST(PartInAnotherUnit, IsAnyPart) {
   const auto others = detail::part_in_another_unit(distances);
   ASSERT_TRUE(others);
   EXPECT_THAT(others->text, HasSubstr(fmt::format("of {} readings are in centimetres", distances.distances.size())));
+}
+
+/// Lengths of a kind at these poses, from a point far below, along a direction askew, or above a plane.
+LengthSeries lengths_at(const std::vector<Station>& stations, LengthKind kind) {
+  const Eigen::Vector3d point(100.0, 50.0, -1500.0), along(0.0, 0.6, 0.8);
+  LengthSeries series{.name = "lengths", .kind = kind};
+  if (kind == LengthKind::ball_bar) series.at = point;
+  if (kind == LengthKind::dial) series.at = along;
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    const Eigen::Vector3d& place = stations[k].commanded.position;
+    const double height = place.z() + 0.02 * place.x() + 1100.0;
+    const double length = kind == LengthKind::ball_bar ? (place - point).norm()
+                          : kind == LengthKind::dial   ? along.dot(place)
+                                                       : height;
+    series.readings.push_back({.station = k, .length = length + kNoise * std::sin(3.0 * static_cast<double>(k))});
+  }
+  return series;
+}
+
+/// Lengths of any size: where they were read shows that a part is in another unit.
+TEST(PartInAnotherUnit, IsFoundAmongLengthsOfAnySize) {
+  const Robot robot = catalogue::rotary_delta();
+  const std::vector<Station> stations = candidate_stations(robot, 14, 3);
+  for (const LengthWords& kind : length_kinds()) {
+    SCOPED_TRACE(kind.name);
+    const Measurements read{.stations = stations, .lengths = {lengths_at(stations, kind.kind)}};
+    EXPECT_FALSE(detail::part_in_another_unit(read));
+    Measurements last = read, first = read;
+    for (std::size_t k = 7; k < stations.size(); ++k) last.lengths[0].readings[k].length /= 1000.0;
+    for (std::size_t k = 0; k < 5; ++k) first.lengths[0].readings[k].length /= 25.4;
+    const auto in_metres = detail::part_in_another_unit(last), in_inches = detail::part_in_another_unit(first);
+    ASSERT_TRUE(in_metres && in_inches);
+    EXPECT_EQ(in_metres->text, fmt::format("readings 8 to {} are in metres", stations.size()));
+    EXPECT_EQ(in_inches->text, "readings 1 to 5 are in inches");
+    const Calibration calibration = calibrate(robot, last);
+    EXPECT_FALSE(calibration.accepted());
+    EXPECT_THAT(calibration.reasons, Contains(HasSubstr(in_metres->text)));
+  }
+}
+
+/// A fit that diverged has no p-value, and no library throws for it.
+TEST(Improvement, HasNoPValueWhereTheFitDiverged) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kMost = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(detail::chance_of(8.0, 2.0, {4.0, 4.0}, false).value(), 1.0 / 9.0, 1e-9);  // (1 + 4 / 2)^-2
+  for (const double wrong : {kNone, kMost}) {
+    EXPECT_FALSE(detail::chance_of(wrong, 2.0, {4.0, 4.0}, false));
+    EXPECT_FALSE(detail::chance_of(8.0, wrong, {4.0, 4.0}, true));
+    EXPECT_FALSE(detail::chance_of(8.0, 2.0, {wrong, 4.0}, false));
+    EXPECT_FALSE(detail::chance_of(8.0, 2.0, {4.0, wrong}, false));
+  }
 }
 
 /// Points of a reflector beside the plate's centre: of a plate that tilts, and of one that turns with phi.

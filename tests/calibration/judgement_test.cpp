@@ -306,6 +306,7 @@ TEST(CoverageFactor, IsStudentsAndTwoInTheLimit) {
   EXPECT_NEAR(coverage_factor(2.0), 4.53, 0.01);
   EXPECT_NEAR(coverage_factor(10.0), 2.28, 0.01);
   EXPECT_NEAR(coverage_factor(1e9), 2.0, 1e-12);
+  EXPECT_TRUE(std::isfinite(coverage_factor(1e-300)));  // of a fit that diverged
   EXPECT_NEAR(coverage_factor(std::numeric_limits<double>::infinity()), 2.0, 1e-12);
 }
 

@@ -8,10 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "numerics/dense.hpp"
+
 namespace paracal::detail {
 namespace {
 
 constexpr double kAlike = 0.1;  // of a logarithm: machines are built better than that, and units are farther apart
+constexpr std::ptrdiff_t kFewestOfPart = 3;  // readings of a part: fewer are single wrong readings
 
 /// Unit of each reading of a series: place among kOtherUnits, or mm behind them.
 using Units = std::vector<std::size_t>;
@@ -62,8 +65,8 @@ Units units_of(const std::vector<DistanceReading>& distances, const std::vector<
   return units;
 }
 
-/// Of lengths that are all about the same in one unit or another, as a ball bar's are; else they are what they are.
-Units units_of(const LengthSeries& series) {
+/// Of lengths that are all about the same in one unit or another, as a ball bar's may be; else they are what they are.
+Units units_of_equal(const LengthSeries& series) {
   double longest = 0.0;
   for (const LengthReading& one : series.readings) longest = std::max(longest, std::abs(one.length));
   Units units;
@@ -77,9 +80,88 @@ Units units_of(const LengthSeries& series) {
 
 /// Readings that are alike, which a sentence can name.
 bool is_part(const Units& units) {
-  constexpr std::ptrdiff_t kFewest = 3;  // of each: fewer are single wrong readings
   const std::ptrdiff_t in_mm = std::ranges::count(units, kMm);
-  return in_mm >= kFewest && std::ssize(units) - in_mm >= kFewest;
+  return in_mm >= kFewestOfPart && std::ssize(units) - in_mm >= kFewestOfPart;
+}
+
+/// Numbers at places, as sums over the places.
+struct Sums {
+  Eigen::Vector4d along = Eigen::Vector4d::Zero();  ///< of the numbers times (x, y, z, 1)
+  double squares = 0.0;                             ///< of the numbers
+
+  Sums operator+(const Sums& other) const { return {along + other.along, squares + other.squares}; }
+};
+
+/// Lengths by where they were read. A height and a reading of a dial are a linear function of the commanded place. So
+/// is the square of a ball bar's length, less that of the place. Readings in two units are far from any such function.
+class LengthsByPlace {
+ public:
+  LengthsByPlace(const LengthSeries& series, const std::vector<Station>& stations)
+      : series_(series), places_(4, std::ssize(series.readings)) {
+    for (std::size_t k = 0; k < series.readings.size(); ++k) {
+      places_.col(static_cast<Eigen::Index>(k)) << stations[series.readings[k].station].commanded.position, 0.0;
+    }
+    places_.colwise() -= places_.rowwise().mean().eval();
+    places_.row(3).setConstant(std::max(places_.cwiseAbs().maxCoeff(), 1.0));  // as large as the others
+    explained_ = pseudo_inverse(places_ * places_.transpose(), kFlat);
+  }
+
+  /// From a row on, or up to it, another unit. All in mm, where this does not leave far less.
+  Units units() const {
+    constexpr double kFarLess = 0.01;  // of the squares: a unit changes these by 100 at least
+    const std::ptrdiff_t count = std::ssize(series_.readings);
+    const std::vector<Sums> mm_before = sums_before(kMm), mm_from = sums_from(kMm);
+    Units best(series_.readings.size(), kMm);
+    double least = kFarLess * left(mm_before.back());
+    for (std::size_t unit = 0; unit < kMm; ++unit) {
+      const std::vector<Sums> before = sums_before(unit), from = sums_from(unit);
+      for (std::ptrdiff_t row = kFewestOfPart; row <= count - kFewestOfPart; ++row) {
+        const auto at = static_cast<std::size_t>(row);
+        for (const bool is_last : {true, false}) {
+          const double rest = left(is_last ? mm_before[at] + from[at] : before[at] + mm_from[at]);
+          if (!(rest < least)) continue;
+          least = rest;
+          std::ranges::fill(best, is_last ? unit : kMm);
+          std::fill_n(best.begin(), row, is_last ? kMm : unit);
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  Sums sums_of(std::size_t reading, std::size_t unit) const {
+    const Eigen::Vector4d place = places_.col(static_cast<Eigen::Index>(reading));
+    double number = series_.readings[reading].length * mm_of(unit);
+    if (series_.kind == LengthKind::ball_bar) number = number * number - place.head<3>().squaredNorm();
+    return {number * place, number * number};
+  }
+  /// Of the readings before each row, and one more of all, were they in this unit.
+  std::vector<Sums> sums_before(std::size_t unit) const {
+    std::vector<Sums> sums(1);
+    for (std::size_t k = 0; k < series_.readings.size(); ++k) sums.push_back(sums.back() + sums_of(k, unit));
+    return sums;
+  }
+  /// Of the readings from each row on: a difference of sums would lose all digits to readings that are too large.
+  std::vector<Sums> sums_from(std::size_t unit) const {
+    std::vector<Sums> sums(series_.readings.size() + 1);
+    for (std::size_t k = series_.readings.size(); k > 0; --k) sums[k - 1] = sums[k] + sums_of(k - 1, unit);
+    return sums;
+  }
+
+  /// Squares that no linear function of the place explains.
+  double left(const Sums& sums) const { return sums.squares - sums.along.dot(explained_ * sums.along); }
+
+  static constexpr double kFlat = 1e-10;  // of the largest: all places are in a plane, or on a line
+  const LengthSeries& series_;
+  Eigen::Matrix4Xd places_;  ///< relative to their mean, and a constant
+  Eigen::Matrix4d explained_;
+};
+
+Units units_of(const LengthSeries& series, const std::vector<Station>& stations) {
+  Units units = units_of_equal(series);
+  if (std::ssize(units) < 2 * kFewestOfPart) return units;
+  return is_part(units) ? units : LengthsByPlace(series, stations).units();
 }
 
 /// "readings 25 to 48", or "24 of 48 readings".
@@ -149,7 +231,7 @@ std::optional<Mistake> part_in_another_unit(const Measurements& measurements) {
   parts.add(units_of(measurements.distances, measurements.stations), series > 0 ? "the distances" : "",
             [](Measurements& m, std::size_t k, double factor) { m.distances[k].distance *= factor; });
   for (std::size_t s = 0; s < measurements.lengths.size(); ++s) {
-    parts.add(units_of(measurements.lengths[s]), named(measurements.lengths[s].name),
+    parts.add(units_of(measurements.lengths[s], measurements.stations), named(measurements.lengths[s].name),
               [s](Measurements& m, std::size_t k, double factor) { m.lengths[s].readings[k].length *= factor; });
   }
   return std::move(parts).mistake();

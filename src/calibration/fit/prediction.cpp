@@ -72,9 +72,10 @@ double SplineKnot::at(double joint) const {
 
 double coverage_factor(double dof) {
   constexpr double kEachTail = 0.02275;  // of a standard normal variable beyond 2
-  constexpr double kMany = 1e6;
+  constexpr double kMany = 1e6,
+                   kFewest = 0.1;  // of fewer, which only a fit that diverged has, no number is large enough
   if (!(dof < kMany)) return kCoverageFactor;
-  return detail::students_t_quantile(kEachTail, dof);
+  return detail::students_t_quantile(kEachTail, std::max(dof, kFewest));
 }
 
 Eigen::MatrixXd KnownErrors::expanded_covariance() const {

@@ -80,17 +80,6 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
   }
 }
 
-/// Probability that noise alone makes the weighted sum of squares, priors included, shrink by `gain` with `found`
-/// parameters: F(gain / found : scatter), or chi-square of the gain where the sigmas are known.
-std::optional<double> chance_of(double gain, double found, const Scatter& scatter, bool sigmas_known) {
-  gain = std::max(gain, 0.0);
-  if (found < 1e-6) return 1.0;
-  if (sigmas_known) return chi_square_tail(gain, found);
-  if (scatter.redundancy < 1e-6) return std::nullopt;
-  if (scatter.sum <= 0.0) return gain > 0.0 ? 0.0 : 1.0;
-  return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
-}
-
 /// Places in a plane, mirrored there, are places in a plane seen from its other side.
 void state_turned_over(const Robot& robot, Calibration& calibration) {
   if (!robot.nominal().has_guides || !robot.geometry().freedoms.holds_z()) return;
@@ -190,6 +179,17 @@ void describe_readings(const Measurements& measurements, const Snapshot& before,
 }
 
 }  // namespace
+
+std::optional<double> chance_of(double gain, double found, const Scatter& scatter, bool sigmas_known) {
+  const bool overflows = !std::isfinite(gain + found + scatter.sum + scatter.redundancy);  // of a fit that diverged
+  if (overflows) return std::nullopt;
+  gain = std::max(gain, 0.0);
+  if (found < 1e-6) return 1.0;
+  if (sigmas_known) return chi_square_tail(gain, found);
+  if (scatter.redundancy < 1e-6) return std::nullopt;
+  if (scatter.sum <= 0.0) return gain > 0.0 ? 0.0 : 1.0;
+  return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
+}
 
 void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
                Calibration& calibration) {

@@ -10,6 +10,11 @@
 
 namespace paracal::detail {
 
+/// Probability that noise alone makes the weighted sum of squares, priors included, shrink by `gain` with `found`
+/// parameters: F(gain / found : scatter), or chi-square of the gain where the sigmas are known. Nothing without degrees
+/// of freedom, or of a fit that diverged so far that numbers overflow.
+std::optional<double> chance_of(double gain, double found, const Scatter& scatter, bool sigmas_known);
+
 /// A stage without priors, by its own root.
 void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
                Calibration& calibration);
