@@ -75,10 +75,15 @@ void add(const nlohmann::json& json, Judgement& all) {
 Judgement judged(LongJob& job, const Bench& bench, const World& world, int machines) {
   const auto chunks = static_cast<std::uint64_t>((machines + kChunk - 1) / kChunk);
   Judgement all;
-  const auto results = compute_each(job, "judgement", 0, chunks, [&](std::uint64_t chunk) {
+  const auto compute = [&](std::uint64_t chunk) {
     const int first = kChunk * static_cast<int>(chunk);
     return std::optional(as_json(judge_world(bench, world, first, std::min(kChunk, machines - first), true)).dump());
-  });
+  };
+  const auto check = [](std::uint64_t, const std::string& text) {
+    Judgement unused;
+    add(nlohmann::json::parse(text), unused);
+  };
+  const auto results = compute_each(job, "judgement", 0, chunks, compute, check);
   for (const std::string& result : results.value()) add(nlohmann::json::parse(result), all);
   return all;
 }
