@@ -317,10 +317,12 @@ TEST(Use, IsExceededByATwentiethOfTheMachines) {
 }
 
 /// A fit of offsets alone uses no tolerances, and heights leave its rotations wider open than these, always. Where they
-/// tell distances better than the tolerances do, the calibration is accepted all the same.
+/// tell distances better than the tolerances do, the calibration is accepted all the same. Where they do not, the fine
+/// fit is, if the offsets are significant.
 TEST(Use, HeightsMayLeaveRotationsOpen) {
-  const Judgement all = judge_world(bench("huang2016"), world_named("13 heights"), 500, 8);
-  EXPECT_GE(all.accepted, 1);
+  const Judgement all = judge_world(bench("huang2016"), world_named("13 heights"), 500, 20);
+  EXPECT_GE(all.accepted, 13);
+  EXPECT_LE(all.use_exceeded[0], 2);
 }
 
 TEST(Use, DecidesAgainstLimits) {

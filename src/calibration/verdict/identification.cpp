@@ -140,12 +140,25 @@ Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
   return Robot(std::move(description));
 }
 
-/// Offsets alone left the machine less well known than its tolerances do, which the fine stage uses.
+/// The only reason against it.
+bool lacks_significance_alone(const Calibration& calibration) {
+  return calibration.verdict == Verdict::rejected && calibration.reasons.size() == 1 && calibration.chance &&
+         *calibration.chance > calibration.options.largest_chance;
+}
+
+/// Offsets alone left the machine less well known than its tolerances do, which the fine stage uses. That the readings
+/// show errors is known from the offsets, which are fewer: the fine fit need not show it again.
+/// @param offsets  rejected for their U alone.
 Calibration with_tolerances(const Robot& robot, const Measurements& measurements, CalibrationOptions options,
-                            detail::Told told) {
+                            const Calibration& offsets, detail::Told told) {
   options.stage = Stage::fine;
   Calibration calibration = detail::calibrate_as_given(robot, measurements, options, told);
   calibration.options.stage = Stage::automatic;
+  if (lacks_significance_alone(calibration)) {
+    calibration.chance = offsets.chance;
+    calibration.reasons.clear();
+    calibration.verdict = Verdict::accepted;
+  }
   return calibration;
 }
 
@@ -191,7 +204,8 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
       const bool better_known = detail::state_evidence(used, rough, {}, {}, told, calibration);
       const bool only_this = calibration.verdict == Verdict::rejected && calibration.reasons.size() == 1;
       const bool may_go_fine = only_this && options.stage == Stage::automatic && !paper;
-      return !better_known && may_go_fine ? with_tolerances(robot, measurements, options, told) : calibration;
+      return !better_known && may_go_fine ? with_tolerances(robot, measurements, options, calibration, told)
+                                          : calibration;
     }
     offsets = rough.observation().errors(rough.fit().parameters);
   }
