@@ -83,6 +83,16 @@ TEST_P(SimulationLaw, ScattersAsTheInstrumentAndTheMachineDo) {
   EXPECT_NEAR(std::sqrt(distances), std::hypot(0.03, 0.04, 0.04), 0.05 * 0.064);
 }
 
+/// A plan may visit a place twice. What noise alone makes of its distance is one that tables may state.
+TEST_P(SimulationLaw, NoDistanceIsBelowZero) {
+  RandomStream stream(4);
+  Measurements plan{.stations = {stations[2], stations[2]}};
+  for (int k = 0; k < 100; ++k) plan.distances.push_back({.from = 0, .to = 1});
+  for (const DistanceReading& one : simulate(robot, errors, plan, {.noise = 0.05}, stream).distances) {
+    EXPECT_GT(one.distance, 0.0);
+  }
+}
+
 /// The way without a tracker: heights and distances from home, planned, read and calibrated from.
 TEST_P(SimulationLaw, HeightsAndDistancesCalibrate) {
   RandomStream stream(3);

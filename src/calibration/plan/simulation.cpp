@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -62,7 +63,8 @@ class Visits {
 
   void read(DistanceReading& reading) {
     const Eigen::Vector3d from = visit(reading.from), to = visit(reading.to);
-    reading.distance = (to - from).norm() + instrument_.noise * random_.normal();
+    // Noise may exceed the distance of two poses at one place, but no instrument shows a distance below zero.
+    reading.distance = std::abs((to - from).norm() + instrument_.noise * random_.normal());
     if (reading.rotation) reading.rotation = rotation(reading.to) - rotation(reading.from) + rotation_noise();
   }
 
