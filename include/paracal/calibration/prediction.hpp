@@ -9,6 +9,7 @@
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/kinematics/closure.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -107,8 +108,10 @@ struct PredictedPose {
   PoseCovariance covariance;  ///< by KnownErrors::pose_covariance: U = 2 std
 };
 
+/// @param options  of forward(), such as the commanded pose as a start: the assembly mode near it is meant.
 /// @throws Unreachable when the machine does not close at these joints.
-PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints);
+PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints,
+                      const ForwardOptions& options = {});
 
 /// Standard deviations over poses, as an instrument sees them that does not know the robot's frame.
 struct WorkspaceUncertainty {

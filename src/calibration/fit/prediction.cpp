@@ -153,11 +153,12 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
   return motions;
 }
 
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
-                              const std::vector<SoughtSource>& parameters) {
-  const ForwardResult pose = forward(machine, joints);
-  if (!pose.usable()) return {};
-  const PlateMotions motions = plate_jacobian(machine, pose.plate, joints, parameters);
+namespace {
+
+/// Of a plate that stands there with these joints.
+Eigen::MatrixXd pose_jacobian_at(const Machine& machine, const PlateState& plate, const Joints& joints,
+                                 const std::vector<SoughtSource>& parameters) {
+  const PlateMotions motions = plate_jacobian(machine, plate, joints, parameters);
   if (motions.cols() == 0 && !parameters.empty()) return {};
   if (!machine.commands_tilt()) return motions.topRows<4>();
   Eigen::MatrixXd commanded(6, motions.cols());
@@ -165,12 +166,21 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
   return commanded;
 }
 
-PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints) {
+}  // namespace
+
+Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
+                              const std::vector<SoughtSource>& parameters) {
+  const ForwardResult pose = forward(machine, joints);
+  return pose.usable() ? pose_jacobian_at(machine, pose.plate, joints, parameters) : Eigen::MatrixXd();
+}
+
+PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints,
+                      const ForwardOptions& options) {
   const Machine machine = build(robot, known.errors);
-  const ForwardResult result = forward(machine, joints);
-  const Eigen::MatrixXd jacobian = pose_jacobian(machine, joints, known.parameters);
-  if (!result.usable() || jacobian.rows() == 0)
-    throw Unreachable("no solution: the machine cannot be assembled at these joints");
+  const ForwardResult result = forward(machine, joints, options);
+  if (!result.usable()) throw Unreachable("no solution: " + why_no_pose(machine, result));
+  const Eigen::MatrixXd jacobian = pose_jacobian_at(machine, result.plate, joints, known.parameters);
+  if (jacobian.rows() == 0) throw Unreachable("no solution: the plate can move with fixed joints");
   return {pose_of(machine, result.plate),
           detail::product(detail::product(jacobian, known.pose_covariance()), jacobian.transpose())};
 }

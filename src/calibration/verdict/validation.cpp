@@ -12,6 +12,7 @@
 #include "agreement.hpp"
 #include "calibration/fit/located.hpp"
 #include "calibration/fit/placement.hpp"
+#include "calibration/fit/started.hpp"
 #include "iso9283.hpp"
 #include "limit_checks.hpp"
 #include "paracal/error.hpp"
@@ -46,7 +47,7 @@ void validate_points(const Robot& robot, const KnownErrors& known, const Measure
   std::vector<PredictedPose> predicted;
   std::vector<Pose> poses;
   for (const Station& station : measurements.stations) {
-    predicted.push_back(predict(robot, known, believed_joints(robot, station)));
+    predicted.push_back(predict(robot, known, believed_joints(robot, station), detail::started(robot, station)));
     poses.push_back(predicted.back().pose);
   }
   const CalibrationOptions as_fitted = detail::as_for_a_fit(options);
