@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "embedded.hpp"
+#include "paracal/error.hpp"
 #include "paracal/report/error_map.hpp"
 #include "paracal/report/page.hpp"
 #include "paracal/report/plots.hpp"
@@ -78,6 +79,16 @@ void level(std::vector<report::ErrorArrow>& arrows) {
 
 }  // namespace
 
+void add_error_map(const Robot& robot, const KnownErrors& known, ReportContent& content) {
+  try {
+    content.figures["error_map"] = report::error_map(robot, known);
+  } catch (const Unreachable&) {
+    for (io::Json& result : content.results) {
+      result["notes"].push_back("no map of errors: the machine cannot reach all poses of its workspace");
+    }
+  }
+}
+
 CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements) {
   CalibrationPage page{.arrows = report::measured_arrows(calibration, measurements), .map = calibration.accepted()};
   if (!page.arrows.empty() || !calibration.accepted()) return page;
@@ -93,12 +104,12 @@ void write_calibration_page(const std::string& file, Session& session, const Cal
   io::Json figures = io::Json::object();
   if (page.plan && robot.is_level()) figures["observability"] = report::observability(robot);
   if (!page.arrows.empty()) figures["scene"] = report::scene(robot, page.arrows, known.errors);
-  if (page.map) figures["error_map"] = report::error_map(robot, known);
-  write_report(file, session, robot,
-               {.kind = "calibration",
-                .results = {{"calibration", json}},
-                .figures = std::move(figures),
-                .inputs = with_files(calibration.files, session, page.files)});
+  ReportContent content{.kind = "calibration",
+                        .results = {{"calibration", json}},
+                        .figures = std::move(figures),
+                        .inputs = with_files(calibration.files, session, page.files)};
+  if (page.map) add_error_map(robot, known, content);
+  write_report(file, session, robot, content);
 }
 
 }  // namespace paracal::app

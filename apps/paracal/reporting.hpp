@@ -7,6 +7,7 @@
 #include "arguments.hpp"
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/report/scene.hpp"
 
@@ -37,6 +38,9 @@ std::string report_page(const io::Json& data);
 
 /// Writes the page, whole or not at all.
 void write_report(const std::string& file, Session& session, const Robot& robot, const ReportContent& content);
+
+/// Adds the map of errors over the workspace. A machine that does not reach all of its poses has none: a note says so.
+void add_error_map(const Robot& robot, const KnownErrors& known, ReportContent& content);
 
 /// What the page of a calibration draws besides its numbers. Predictions of a machine that was not found would mislead:
 /// they are drawn for accepted calibrations only.

@@ -162,5 +162,67 @@ TEST_P(GuidedWalk, PosesBesideTheGuidesAreRefused) {
   EXPECT_EQ(run("inverse --robot r.toml --poses tilted.csv").exit_code, kMathematicsSaysNo);
 }
 
+/// A machine whose rim is singular with the errors that were found: the page of its calibration has no map, and says
+/// so.
+TEST(GuidedPlates, APageHasNoMapWhereTheMachineIsSingular) {
+  const TemporaryFolder folder;
+  folder.write("r.toml", R"(name = "dextar"
+[plate]
+freedoms = ["x", "y"]
+[[limb]]
+kind = "arm"
+base_joint_mm = [-59, -110, 0]
+plate_joint_mm = [0, 0, 0]
+rod_mm = 90.0
+arm_mm = 90.0
+axis = [0, 0, 1]
+arm_at_zero = [-0.766044, 0.642788, 0]
+[[limb]]
+kind = "arm"
+base_joint_mm = [59, -110, 0]
+plate_joint_mm = [0, 0, 0]
+rod_mm = 90.0
+arm_mm = 90.0
+axis = [0, 0, 1]
+arm_at_zero = [0.766044, 0.642788, 0]
+[workspace]
+radius_mm = 25
+[tolerances]
+zero_deg = 0.5
+base_mm = 0.3
+arm_length_mm = 0.2
+alpha0_deg = 0.1
+beta0_deg = 0.1
+rod_length_mm = 0.2
+plate_mm = 0.2
+)");
+  folder.write("p.csv", R"(pose,x_cmd_mm,y_cmd_mm,z_cmd_mm
+P0,0,0,0
+P1,1,6,0
+P2,24,6,0
+P3,15,-18,0
+P4,-14,-18,0
+P5,-24,6,0
+P6,12,20,0
+P7,-12,20,0
+P8,20,0,0
+P9,-20,-2,0
+)");
+  for (const char* command :
+       {"simulate --robot r.toml --poses p.csv --seed 2 --noise-mm 0.02 --out m.csv",
+        "calibrate --robot r.toml --measurements m.csv --out c.json --report calibrate.html",
+        "report --calibration c.json --out report.html",
+        "validate --calibration c.json --measurements m.csv --sigma-mm 0.02 --report validate.html"}) {
+    const ProgramResult result = folder.run(words(command));
+    EXPECT_LE(result.exit_code, kVerdictIsNo) << command << '\n' << result.err;
+  }
+  for (const auto& [page, result] :
+       {std::pair{"calibrate", "calibration"}, {"report", "calibration"}, {"validate", "validation"}}) {
+    const json data = data_in(folder.read(fmt::format("{}.html", page)));
+    EXPECT_FALSE(data.at("figures").contains("error_map"));
+    EXPECT_THAT(data.at("results").at(result).at("notes").dump(), HasSubstr("no map of errors")) << page;
+  }
+}
+
 }  // namespace
 }  // namespace paracal::test::guided_plates_test

@@ -2,7 +2,6 @@
 
 #include "paracal/calibration/plan.hpp"
 #include "paracal/io/measurement_files.hpp"
-#include "paracal/report/error_map.hpp"
 #include "paracal/report/plots.hpp"
 #include "paracal/report/scene.hpp"
 #include "reporting.hpp"
@@ -36,8 +35,8 @@ void run(const ValidatingOptions& options, Session& session) {
     }
   }
   if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, stations);
-  content.figures = {{"scene", report::scene(robot, arrows, known.errors)},
-                     {"error_map", report::error_map(robot, known)}};
+  content.figures = {{"scene", report::scene(robot, arrows, known.errors)}};
+  add_error_map(robot, known, content);
   if (robot.is_level()) content.figures["observability"] = report::observability(robot);
   content.inputs = with_files(std::move(inputs), session, {});
   const io::Json data = report_data(session, robot, content);

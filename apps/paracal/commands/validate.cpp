@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "paracal/io/measurement_files.hpp"
-#include "paracal/report/error_map.hpp"
 #include "paracal/report/scene.hpp"
 #include "paracal/units.hpp"
 #include "reporting.hpp"
@@ -82,12 +81,13 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   }
   const io::Json json = io::to_json(validation);
   if (!report.empty()) {
-    write_report(report, session, robot,
-                 {.kind = "validation",
-                  .results = {{"validation", json}},
-                  .figures = {{"scene", report::scene(robot, report::measured_arrows(validation), known.errors)},
-                              {"error_map", report::error_map(robot, known)}},
-                  .inputs = with_files(measurements.files, session, {options.calibration})});
+    ReportContent content{
+        .kind = "validation",
+        .results = {{"validation", json}},
+        .figures = {{"scene", report::scene(robot, report::measured_arrows(validation), known.errors)}},
+        .inputs = with_files(measurements.files, session, {options.calibration})};
+    add_error_map(robot, known, content);
+    write_report(report, session, robot, content);
   }
   if (session.json()) {
     session.print_json(json);
