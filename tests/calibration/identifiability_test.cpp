@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "calibration/fit/null_space.hpp"
 #include "paracal/calibration/plan.hpp"
@@ -110,6 +111,23 @@ TEST(Identifiability, FewPosesLeaveMoreThanMotionsOpen) {
   EXPECT_THAT(lines,
               HasSubstr(fmt::format("\n  and {} further combinations of parameters", seen.null_space.size() - 5)));
   EXPECT_THAT(seen.null_space.back().text, testing::MatchesRegex("mainly [a-z0-9_]+ of limb [1-4] .*"));
+}
+
+/// Rails that lie flat by beta0_deg = -90: alpha0 turns them about themselves, which leaves nothing of the machine
+/// open. Where the carriage holds its joints beside the rail, their way round it is undone by e.
+TEST(Identifiability, RailsThatLieFlatTurnAboutThemselvesUnseen) {
+  for (const double arm : {0.0, 20.0}) {
+    RobotDescription description = catalogue::linear_delta().description();
+    description.geometry.base_radius = 500.0;
+    description.geometry.arm = arm;
+    description.geometry.rod = 700.0;
+    description.workspace = {.radius = 200.0, .height = 150.0, .top_z = -450.0};
+    for (std::size_t limb = 0; limb < 3; ++limb) description.intended(limb, "beta0") = -0.5 * std::numbers::pi;
+    const Robot robot(description);
+    const Identifiability seen = identifiability(robot, planned(robot, fine_stations(robot, 9)));
+    for (const NullDirection& one : seen.null_space) EXPECT_TRUE(one.gauge) << one.text;
+    EXPECT_THAT(texts(seen), Contains(HasSubstr("the rail")).Times(3)) << arm;
+  }
 }
 
 class GaugeLaw : public test::EveryRobot {};

@@ -32,6 +32,8 @@ struct GaugeMotion {
 ///   translation along k    e_i = k                               the base moved
 ///   rotation w             turned_base(w): e_i = w x (b_i - a_i), alpha0 = w.u0, ...  (mechanism/base_motion.hpp)
 ///   slide zero             e_i = mu_i shat                       r stays, s changes by a constant (-1 mm per mm)
+///   a rail along itself    e_i = v1, theta_offset = -1           of one that leans
+///   a rail about itself    alpha0 = 1, e_i = L u0 x u1           of one that leans by 90 deg, where v1 = -u0
 ///
 /// A rotation does not turn the slide axis, so only that about the slide axis (any, for a rigid plate) stays open.
 std::vector<GaugeMotion> gauge_motions(const Robot& robot);

@@ -69,6 +69,13 @@ bool slides_on_its_rail(const Robot& robot, std::size_t limb) {
                               [&](const Parameter& one) { return one.limb == limb && one.as_joint_zero != 0.0; });
 }
 
+/// A rail that leans by 90 deg lies along the axis of alpha0, which then turns it about itself.
+bool is_turned_about_itself(const Robot& robot, std::size_t limb) {
+  constexpr double kParallel = 1e-9;  // sine
+  const Limb& rail = robot.nominal().limbs[limb];
+  return rail.actuator == Actuator::linear && rail.frame.col(1).cross(rail.radial).norm() < kParallel;
+}
+
 }  // namespace
 
 std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
@@ -84,6 +91,15 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
     const auto sign = [](const Limb& limb) { return limb.slide_sign; };
     motions.push_back({"the slide zero shifts", moved_along(robot, robot.slide()->axis, sign)});
     motions.push_back({"the base rotates about the slide axis", turned_base(robot, robot.slide()->axis)});
+  }
+  // Before turns of the base: about z none of alpha0 and beta0 turns such rails.
+  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
+    if (!is_turned_about_itself(robot, limb)) continue;
+    const Limb& rail = robot.nominal().limbs[limb];
+    SourceErrors errors;
+    shift_limb(robot, limb, rail.arm * rail.radial.cross(rail.frame.col(0)), errors);  // its carriage stays
+    errors(limb, "alpha0") += 1.0;
+    motions.push_back({fmt::format("the rail of limb {} turns about itself", limb + 1), errors});
   }
   for (int k = 0; k < 3; ++k) {
     motions.push_back({fmt::format("the base rotates about {}", axes[static_cast<std::size_t>(k)]),
@@ -142,6 +158,12 @@ std::vector<Eigen::Index> alone_in(const Eigen::MatrixXd& space) {
   return alone;
 }
 
+/// By itself, as that of a rail whose carriage has its joints on it.
+bool turns_rail_about_itself(const Robot& robot, const SoughtSource& one) {
+  const bool alone = robot.nominal().limbs[one.limb].arm == 0.0;
+  return alone && one.source == "alpha0" && is_turned_about_itself(robot, one.limb);
+}
+
 }  // namespace
 
 namespace detail {
@@ -190,9 +212,10 @@ std::vector<NullDirection> in_words(const Robot& robot, const Eigen::MatrixXd& n
   }
   for (const Eigen::Index k : alone) {
     const SoughtSource& one = parameters[static_cast<std::size_t>(k)];
-    directions.push_back(
-        {fmt::format("{} of limb {} (it changes none of these readings)", name(one.source), one.limb + 1),
-         Eigen::VectorXd::Unit(all.rows(), k), false});
+    const bool never = turns_rail_about_itself(robot, one);
+    directions.push_back({fmt::format("{} of limb {} ({})", name(one.source), one.limb + 1,
+                                      never ? "it turns the rail about itself" : "it changes none of these readings"),
+                          Eigen::VectorXd::Unit(all.rows(), k), never});
   }
   const Eigen::MatrixXd rest = orthonormal(
       all - detail::product(explained, detail::product(explained.transpose(), all)), all.cols() - explained.cols());
