@@ -8,6 +8,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -144,8 +145,8 @@ class Walk {
   std::optional<std::string> of_alternatives(Rule alternatives, const Json& value) {
     std::vector<Rule> all;
     for (const Json& one : *alternatives.schema) all.push_back({&one, alternatives.file});
-    const auto others = std::ranges::stable_partition(all, [&](Rule one) { return knows_keys(one, value); });
-    if (others.size() < all.size()) all.erase(others.begin(), others.end());
+    const auto knows = [&](Rule one) { return knows_keys(one, value); };
+    if (std::ranges::any_of(all, knows)) std::erase_if(all, std::not_fn(knows));
     std::optional<std::string> found;
     std::vector<std::string> place;
     const std::vector<std::string> here = path_;
