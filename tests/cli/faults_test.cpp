@@ -2,6 +2,7 @@
 // cannot be read to their end, calibrations that cannot be. Nothing is lost, nothing half-written, nothing believed.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
