@@ -161,7 +161,11 @@ const io::JsonFile& Session::calibration_file(const std::string& name) {
 }
 
 SourceErrors Session::read_errors(const Robot& robot, const std::string& errors_file) {
-  if (is_calibration(errors_file)) return io::read_calibration(calibration_file(errors_file), robot).errors;
+  if (is_calibration(errors_file)) {
+    const SourceErrors errors = io::read_calibration(calibration_file(errors_file), robot).errors;
+    forget_calibration(errors_file);
+    return errors;
+  }
   const io::TextFile file = io::read_stored(errors_file);
   const SourceErrors errors = io::read_source_errors(file, robot.joint_space());
   if (const auto complaint = implausible(robot, errors)) throw InputFileError(file.name, 0, *complaint);

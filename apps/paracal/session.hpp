@@ -91,6 +91,8 @@ class Session {
 
   /// A calibration file. Each is read once, so that all see the same one even if it changes meanwhile.
   const io::JsonFile& calibration_file(const std::string& name);
+  /// Frees the memory of one whose machine is known, before rows without end.
+  void forget_calibration(const std::string& name) { calibrations_.erase(name); }
   /// Source errors of a file: source errors (TOML) or a calibration (JSON).
   SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
   /// Machine that --errors describes, as read_errors(); the nominal one without a file.

@@ -86,7 +86,8 @@ TEST_F(LinuxcncConfiguration, RefusesOtherFoldersTargetsAndFiles) {
           "--config: expected an empty or a new folder, got machine with paracal.ini; name another folder");
   refused({"--target", "linuxcnc", "--config", "poses.csv"}, "--config: expected a folder, got a file: poses.csv");
   refused({"--target", "linuxcnc", "--config", "one/two"}, "expected an existing parent folder, got none: ");
-  refused({"--target", "linuxcnc", "--config", ""}, "--config: expected a value, got \"\"; state one, or omit the option");
+  refused({"--target", "linuxcnc", "--config", ""},
+          "--config: expected a value, got \"\"; state one, or omit the option");
   refused({"--target", "c99", "--config", "new"}, "--config: expected with --target linuxcnc, got --target c99");
   refused({"--target", "linuxcnc", "--config", "new", "--out", "a.comp"},
           "--config: expected no --out, because the folder also contains the component, got a.comp");

@@ -164,7 +164,8 @@ TEST_F(ToleranceCommands, ALimitIsAnsweredInItsUnit) {
   const auto text = [&](const std::string& command) { return folder.run(command).out; };
   const std::string in_deg = text("tolerance allocate --max-tilt-deg 0.0572957795");
   EXPECT_THAT(in_deg, AllOf(HasSubstr(" 3 sigma), deg\n"), HasSubstr("alpha2                       0.014\n"),
-                            HasSubstr("tilt (statistical): 0.05143 of 0.0573 deg at"), Not(HasSubstr("mrad")), Not(HasSubstr(" rad "))));
+                            HasSubstr("tilt (statistical): 0.05143 of 0.0573 deg at"), Not(HasSubstr("mrad")),
+                            Not(HasSubstr(" rad "))));
   const std::string over_a_length = text("tolerance allocate --max-tilt-mm 0.2/200");
   EXPECT_THAT(over_a_length,
               AllOf(HasSubstr(" 3 sigma), mm over 200 mm\n"), HasSubstr("alpha2                       0.049\n"),

@@ -176,6 +176,7 @@ void run(const CompensateArguments& options, Session& session) {
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
   io::CalibratedMachine machine = known_machine(options, robot, session);
+  for (const std::string& known : {options.calibration, options.errors}) session.forget_calibration(known);
   machine.controller = checked_controller(options.controller, machine.controller, robot, options.style);
   const ControllerModel& controller = machine.controller;
   const std::vector<std::string> assumed = controller_assumptions(controller, robot);
