@@ -72,7 +72,10 @@ Units units_of_equal(const LengthSeries& series) {
   Units units;
   for (const LengthReading& one : series.readings) {
     const auto unit = unit_of(longest, std::abs(one.length));
-    if (!unit) return Units(series.readings.size(), kMm);
+    if (!unit) {
+      units.assign(series.readings.size(), kMm);
+      return units;
+    }
     units.push_back(*unit);
   }
   return units;
@@ -194,7 +197,7 @@ class Parts {
   void add(Units units, const std::string& name, std::function<void(Measurements&, std::size_t, double)> scale) {
     if (!is_part(units)) return;
     texts_.push_back(text_of(units, name.empty() ? "" : " of " + name));
-    undo_.push_back([units = std::move(units), scale = std::move(scale)](Measurements& m) {
+    undo_.emplace_back([units = std::move(units), scale = std::move(scale)](Measurements& m) {
       for (std::size_t k = 0; k < units.size(); ++k) scale(m, k, mm_of(units[k]));
     });
   }

@@ -129,6 +129,7 @@ struct List<OptionsInFile> {
 
   static std::vector<std::string> selectors(const std::vector<SourceSelector>& selected) {
     std::vector<std::string> words;
+    words.reserve(selected.size());
     for (const SourceSelector& one : selected) {
       words.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
     }

@@ -169,10 +169,9 @@ class Walk {
   static bool knows_keys(Rule rule, const Json& value) {
     if (!value.is_object()) return true;
     if (rule.schema->contains("$ref")) rule = referred(*rule.file, (*rule.schema)["$ref"]);
-    for (const auto& item : value.items()) {
-      if (of_key(*rule.schema, item.key()) == nullptr) return false;
-    }
-    return true;
+    const auto is_known = [&](const auto& item) { return of_key(*rule.schema, item.key()) != nullptr; };
+    const auto items = value.items();
+    return std::all_of(items.begin(), items.end(), is_known);
   }
 
   std::optional<std::string> of_parts(Rule rule, const Json& value) {
