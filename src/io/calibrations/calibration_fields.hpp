@@ -111,7 +111,6 @@ struct List<CalibrationInFile> {
     const auto robot = [](const Of& in_file) { return to_json(in_file.of.robot); };
     const auto controller = [](const Of& in_file) { return in_file.of.options.controller; };
     const auto noise_dof = [](const Of& in_file) { return if_finite(in_file.of.noise_dof); };
-    constexpr Form kJoints{.least = 0.0, .may_lack = true};
     field("robot", robot, "the nominal robot", Form{.refers = "robot.schema.json"});
     field("controller", controller, "");
     field("parameters", &Of::parameters, "estimated parameters first");
@@ -123,11 +122,13 @@ struct List<CalibrationInFile> {
     field("joint_std_deg", &joints<Unit::rad, &Calibration::joint_std>,
           "standard deviation of what each joint is off at each pose, the same at each visit; empty: not "
           "estimated",
-          kJoints);
-    field("joint_std_mm", &joints<Unit::mm, &Calibration::joint_std>, "the same of linear actuators", kJoints);
+          kNotNegativeMayLack);
+    field("joint_std_mm", &joints<Unit::mm, &Calibration::joint_std>, "the same of linear actuators",
+          kNotNegativeMayLack);
     field("visit_std_deg", &joints<Unit::rad, &Calibration::visit_std>,
-          "standard deviation of what each joint is off anew at each visit: repeatability", kJoints);
-    field("visit_std_mm", &joints<Unit::mm, &Calibration::visit_std>, "the same of linear actuators", kJoints);
+          "standard deviation of what each joint is off anew at each visit: repeatability", kNotNegativeMayLack);
+    field("visit_std_mm", &joints<Unit::mm, &Calibration::visit_std>, "the same of linear actuators",
+          kNotNegativeMayLack);
     field("drives", &Of::splines, "cubic B-splines along each joint: how its drive may be uneven");
     field("drive_covariance", &covariance<&Calibration::drive_covariance>,
           "a row for each spline: mean squares with the parameters that are not fixed, then with the splines, in "

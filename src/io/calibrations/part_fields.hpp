@@ -87,7 +87,7 @@ struct List<PoseErrorSummary> {
     field("rms_joints_mm", &Of::rms_joints,
           "root mean square of the disagreement of joints, where limbs are more than degrees of freedom and "
           "joints are readings",
-          Form{.least = 0.0, .may_lack = true});
+          kNotNegativeMayLack);
     field("max_abs_rotation_deg", &Of::max_abs_rotation, "largest error of a rotation from home; null: not measured",
           kAngleNotNegative);
     field("max_orientation_deg", &Of::max_orientation,
@@ -207,7 +207,7 @@ struct List<OptionsInFile> {
     field("joint_sigma", &joint_sigma,
           "standard deviation of a joint in its unit (deg for arms, mm for rails and struts), where joints are "
           "readings",
-          Form{.least = 0.0, .may_lack = true});
+          kNotNegativeMayLack);
     field("tracker", &noise<&NoiseModel::tracker>, "", Form{.may_lack = true});
     field("tolerances", &tolerances, "tolerances, if not the robot's",
           Form{.refers = "common.schema.json#/$defs/half_widths", .may_lack = true});

@@ -11,7 +11,6 @@ namespace paracal::io {
 inline constexpr std::string_view kExcluded = "excluded from the fit", kByCalibrated = "by the calibrated machine";
 inline constexpr std::string_view kRotationBefore =
     "where a rotation was read: measured minus predicted, by the nominal machine";
-inline constexpr Form kAngleMayLack{.factor = kDegrees, .may_lack = true};
 
 template <>
 struct List<DistanceResidual> {

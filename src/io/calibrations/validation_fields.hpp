@@ -17,7 +17,6 @@ struct List<PoseCriteria> {
   static constexpr Place kPlace{kValidationSchema, "iso9283_pose", "Iso 9283 pose"};
   static void fields(auto&& field) {
     using Of = PoseCriteria;
-    constexpr Form kRotation{.factor = kDegrees, .may_lack = true};
     field("pose", &Of::pose, "its name");
     field("repeats", &Of::repeats, "visits", Form{.least = 2.0});
     field("AP_mm", &Of::AP, "positioning accuracy: from the commanded position to the barycentre of the repeats");
@@ -25,8 +24,8 @@ struct List<PoseCriteria> {
           "positioning repeatability: mean distance from the barycentre and 3 standard deviations of it");
     field("AD_mm", &Of::AD, "distance accuracy: of the mean distance to home");
     field("RD_mm", &Of::RD, "distance repeatability: 3 standard deviations of that distance");
-    field("AP_deg", &Of::AP_rotation, "the same of the rotation, where it was read", kRotation);
-    field("RP_deg", &Of::RP_rotation, "3 standard deviations of the rotation", kRotation);
+    field("AP_deg", &Of::AP_rotation, "the same of the rotation, where it was read", kAngleMayLack);
+    field("RP_deg", &Of::RP_rotation, "3 standard deviations of the rotation", kAngleMayLack);
   }
 };
 
@@ -109,7 +108,6 @@ struct List<PoseInFile> {
   static constexpr Place kPlace{kValidationSchema, "validated_pose", "Validated pose"};
   static void fields(auto&& field) {
     using Of = PoseInFile;
-    constexpr Form kRotation{.factor = kDegrees, .may_lack = true};
     field(
         "series", [](const Of& of) { return of.pose.series; }, "the file");
     field(
@@ -117,8 +115,8 @@ struct List<PoseInFile> {
     field("before", &Of::error<&ValidatedPose::before>, "");
     field("after", &Of::error<&ValidatedPose::after>, "");
     field("predicted_U_mm", &Of::position_U, "U of the prediction, in the robot's frame", Form{.may_lack = true});
-    field("predicted_U_deg", &Of::rotation_U, "of the rotation", kRotation);
-    field("predicted_U_tilt_deg", &Of::tilt_U, "of the tilts, for plates with six degrees of freedom", kRotation);
+    field("predicted_U_deg", &Of::rotation_U, "of the rotation", kAngleMayLack);
+    field("predicted_U_tilt_deg", &Of::tilt_U, "of the tilts, for plates with six degrees of freedom", kAngleMayLack);
   }
 };
 

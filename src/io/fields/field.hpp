@@ -33,7 +33,9 @@ struct Form {
 inline constexpr double kDegrees = to_degrees(1.0);
 inline constexpr double kLargest = 1e6;  ///< mm or deg of anything that a robot has
 inline constexpr Form kAngle{.factor = kDegrees};
+inline constexpr Form kAngleMayLack{.factor = kDegrees, .may_lack = true};
 inline constexpr Form kNotNegative{.least = 0.0};
+inline constexpr Form kNotNegativeMayLack{.least = 0.0, .may_lack = true};
 inline constexpr Form kAngleNotNegative{.factor = kDegrees, .least = 0.0};
 inline constexpr Form kSize{.least = 0.0, .most = kLargest};
 inline constexpr Form kShare{.least = 0.0, .most = 1.0};
