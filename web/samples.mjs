@@ -104,7 +104,7 @@ export function samples(program, folder, quick = false) {
   run("sensitivity", ...huang, "--out", "sensitivity.txt", "--report", "sensitivity.html");
   run("tolerance", "allocate", ...huang, "--out", "allocation.txt", "--report", "allocation.html", "--toml", "chosen.toml");
   run("tolerance", "analyze", ...huang, "--tolerances", "chosen.toml", ...rough, "--out", "analysis.txt", "--report", "analysis.html");
-  run("yield", ...huang, "--machines", quick ? "30" : "300", "--max-distance-mm", "0.15", "--min-yield", quick ? "0.5" : "0.9", "--out", "yield.txt", "--report", "yield.html");
+  run("yield", ...huang, "--machines", quick ? "30" : "300", "--limit-mm", "0.15", "--min-yield", quick ? "0.5" : "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
   const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation", "6-rss", "6-pss"];

@@ -29,14 +29,16 @@ constexpr std::uint64_t kMostMachines = 1'000'000'000'000, kLargestChunk = 1'000
 struct Row {
   ErrorKind kind;
   const char *text, *option;
-  double factor;  ///< from mm or rad to the row's unit
+  double factor = 1.0;           ///< from mm or rad to the row's unit
+  const char* before = nullptr;  ///< the option's name of before
 };
 
-constexpr std::array kRows{Row{ErrorKind::distance, "distance, mm", "--max-distance-mm", 1.0},
-                           Row{ErrorKind::volumetric, "position, mm", "--max-position-mm", 1.0},
-                           Row{ErrorKind::volumetric_aligned, "position aligned, mm", "--max-position-aligned-mm", 1.0},
-                           Row{ErrorKind::rotation, "rotation, deg", "--max-rotation-deg", to_degrees(1.0)},
-                           Row{ErrorKind::tilt, "tilt, rad", "--max-tilt-rad", 1.0}};
+constexpr std::array kRows{
+    Row{ErrorKind::distance, "distance, mm", "--limit-mm", 1.0, "--max-distance-mm"},
+    Row{ErrorKind::volumetric, "position, mm", "--limit-position-mm", 1.0, "--max-position-mm"},
+    Row{ErrorKind::volumetric_aligned, "position aligned, mm", "--limit-aligned-mm", 1.0, "--max-position-aligned-mm"},
+    Row{ErrorKind::rotation, "rotation, deg", "--limit-deg", to_degrees(1.0), "--max-rotation-deg"},
+    Row{ErrorKind::tilt, "tilt, rad", "--max-tilt-rad"}};
 
 struct YieldArguments {
   std::uint64_t machines = 0;
@@ -307,9 +309,9 @@ void add_limits(Command& command, YieldArguments& options) {
   for (const Row& row : kRows) {
     const std::string text = fmt::format("largest allowed value of \"{}\"", row.text);
     if (row.kind != ErrorKind::tilt) {
-      const bool turns = row.kind == ErrorKind::rotation;
-      command.add_option(row.option, options.limits[row.kind], text)
-          ->check(turns ? within(plausible::kLimitDeg) : positive());
+      const Rule rule = row.kind == ErrorKind::rotation ? within(plausible::kLimitDeg) : positive();
+      Option* const limit = command.add_option(row.option, options.limits[row.kind], text)->check(rule);
+      command.add_option(row.before, options.limits[row.kind], text)->check(rule)->excludes(limit)->hide();
       continue;
     }
     add_angle_options(command, options.max_tilt, row.option, "--max-tilt", "largest allowed tilt");
