@@ -94,14 +94,11 @@ Option* Option::excludes(const Option* other) {
   return this;
 }
 
-Option* Option::lists(const std::string& what) {
-  option_->delimiter(',')->type_name(what);
-  return this;
-}
+Option* Option::lists(const std::string& what) { return lists(what, 1, CLI::detail::expected_max_vector_size); }
 
 Option* Option::lists(const std::string& what, int least, int most) {
-  option_->expected(least, most);
-  return lists(what);
+  option_->delimiter(',')->type_name(what)->expected(least, most);
+  return this;
 }
 
 Option* Option::shows_default(const std::string& text) {
@@ -124,6 +121,10 @@ std::string Option::name() const { return option_->get_name(); }
 bool Option::is_given() const { return option_->count() > 0; }
 
 std::vector<std::string> Option::values() const { return option_->results(); }
+
+std::vector<double> Option::numbers() const { return option_->as<std::vector<double>>(); }
+
+bool Option::is_set() const { return option_->as<bool>(); }
 
 namespace {
 
@@ -163,6 +164,16 @@ template Option* Command::add_option(const std::string&, std::vector<std::string
 
 Option* Command::add_flag(const std::string& name, bool& value, const std::string& text) {
   return keep(command_->add_flag(name, value, text), "");
+}
+
+Option* Command::add_flag(const std::string& name, const std::string& text) {
+  return add_flag(name, flags_.emplace_back(false), text);
+}
+
+Option* Command::add_text(const std::string& name, const std::string& text) {
+  return keep(command_->add_option(
+                  name, [](const CLI::results_t&) { return true; }, text),
+              usual_kind<double>(name));
 }
 
 Option* Command::add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,

@@ -84,6 +84,10 @@ class Option {
   bool is_given() const;
   /// As typed.
   std::vector<std::string> values() const;
+  /// Of what a rule found to be numbers.
+  std::vector<double> numbers() const;
+  /// Of a flag.
+  bool is_set() const;
 
  private:
   CLI::Option* option_;
@@ -99,6 +103,9 @@ class Command {
   template <typename Value>
   Option* add_option(const std::string& name, Value& value, const std::string& text);
   Option* add_flag(const std::string& name, bool& value, const std::string& text);
+  /// A flag and an option whose values are taken from the option itself.
+  Option* add_flag(const std::string& name, const std::string& text);
+  Option* add_text(const std::string& name, const std::string& text);
   Option* add_choice(const std::string& name, const std::function<void(const std::string&)>& choose,
                      const std::string& text);
   /// The heading in --help of the options that follow; kHidden: they are not shown.
@@ -123,6 +130,7 @@ class Command {
   std::string heading_ = "Options";
   std::vector<Example> examples_ = {};
   std::deque<Option> options_ = {};
+  std::deque<bool> flags_ = {};
   std::deque<Command> commands_ = {};
 };
 

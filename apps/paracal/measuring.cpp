@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "io/calibrations/calibration_settings.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/measurement_files.hpp"
 #include "paracal/io/tables.hpp"
@@ -14,18 +15,6 @@
 
 namespace paracal::app {
 namespace {
-
-void check_noise(const char* option, double value) {
-  if (const auto complaint = plausible::complaint(option, value, plausible::kNoise)) throw WrongUsage(*complaint);
-}
-
-/// Noise is `constant + slope * metres`, um; what it is at one metre must be believable.
-TrackerModel tracker_model(const std::vector<double>& um) {
-  const TrackerModel tracker{um[0] * 1e-3, um[1] * 1e-3, um[2] * 1e-3, um[3] * 1e-3};
-  check_noise("--tracker-um, transverse at 1 m", tracker.transverse + tracker.transverse_per_m);
-  check_noise("--tracker-um, radial at 1 m", tracker.radial + tracker.radial_per_m);
-  return tracker;
-}
 
 std::vector<io::TextFile> input_tables(const std::vector<std::string>& names, const io::TableStyle& style) {
   std::vector<io::TextFile> tables;
@@ -60,34 +49,6 @@ Measurements MeasuringOptions::read(const Robot& robot) const {
 double MeasuringOptions::expansion() const {
   constexpr double kReference = 20.0;  // deg C  [iso1]
   return 1e-6 * (expansion_ppm - instrument_expansion_ppm) * (temperature_c.value_or(kReference) - kReference);
-}
-
-NoiseModel MeasuringOptions::noise() const {
-  NoiseModel noise;
-  if (sigma_mm) {
-    check_noise("--sigma-mm", *sigma_mm);
-    noise.distance = noise.point = noise.body = *sigma_mm;
-  }
-  if (height_sigma_mm) {
-    check_noise("--height-sigma-mm", *height_sigma_mm);
-    noise.height = *height_sigma_mm;
-  }
-  noise.distance_bias = distance_bias_mm;
-  if (dial_angle_deg) noise.dial_angle = to_radians(*dial_angle_deg);
-  if (sigma_deg) {
-    check_noise("--sigma-deg", *sigma_deg);
-    noise.rotation = to_radians(*sigma_deg);
-  }
-  if (!tracker_um.empty()) noise.tracker = tracker_model(tracker_um);
-  return noise;
-}
-
-bool MeasuringOptions::states_noise_of(const Measurements& measurements) const {
-  const auto states = [&](const LengthSeries& series) {
-    return words(series.kind).sigma == &NoiseModel::height ? height_sigma_mm.has_value() : sigma_mm.has_value();
-  };
-  return (measurements.series.empty() || sigma_mm || !tracker_um.empty()) &&
-         (measurements.distances.empty() || sigma_mm) && std::ranges::all_of(measurements.lengths, states);
 }
 
 namespace {
@@ -127,15 +88,17 @@ std::vector<Measured> measurands() {
 
 }  // namespace
 
-PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
+PlannedReadings PlanningOptions::planned() const {
   const LengthWords& kind = words(readings.length);
   const bool lengths = readings.measurand == Measurand::lengths;
   if (readings.second && readings.measurand != Measurand::coordinates) {
     throw WrongUsage("--second: expected --measure coordinates");
   }
   const bool poses = readings.measurand == Measurand::poses;
-  if (readings.rotation && (lengths || poses)) {
-    throw WrongUsage(fmt::format("{}: expected --measure other than {}", rotation, poses ? "pose" : kind.name));
+  const bool reads_phi = reads_rotation || rotation != "none";
+  if (reads_phi && (lengths || poses)) {
+    throw WrongUsage(fmt::format("{}: expected --measure other than {}",
+                                 reads_rotation ? "--read-rotation" : "--rotation", poses ? "pose" : kind.name));
   }
   if (!at.empty() && (!lengths || kind.at.empty())) {
     throw WrongUsage(fmt::format("--at: expected --measure {}", kinds_with_at()));
@@ -144,6 +107,7 @@ PlannedReadings PlanningOptions::planned(std::string_view rotation) const {
     throw WrongUsage(fmt::format("--measure {}: expected --at, {}", kind.name, kind.at));
   }
   PlannedReadings planned = readings;
+  planned.rotation = reads_phi;
   if (!at.empty()) planned.at = Eigen::Vector3d(at[0], at[1], at[2]);
   return planned;
 }
@@ -171,6 +135,14 @@ std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& o
   return {measure, at, add_mount_option(command, options.readings.mount)};
 }
 
+std::array<Option*, 2> add_rotation_options(Command& command, PlanningOptions& options,
+                                            const std::vector<std::string>& zeros) {
+  Option* rotation = command.add_option("--rotation", options.rotation, "whether phi is measured, and from which zero")
+                         ->check(one_of(zeros));
+  Option* before = command.add_flag("--read-rotation", options.reads_rotation, "the same")->excludes(rotation)->hide();
+  return {rotation, before};
+}
+
 Option* add_mount_option(Command& command, ReflectorMount& mount) {
   std::vector<std::string> names;
   names.reserve(kReflectorMounts.size());
@@ -181,31 +153,6 @@ Option* add_mount_option(Command& command, ReflectorMount& mount) {
   return command.add_choice("--reflectors", choose, "where the second reflector or the measured body is mounted")
       ->check(one_of(names))
       ->shows_default(names.front());
-}
-
-void add_noise_options(Command& command, MeasuringOptions& options) {
-  command.heading("Uncertainty of the instrument (one standard deviation)");
-  command
-      .add_option("--sigma-mm", options.sigma_mm,
-                  "of coordinates, distances and lengths without a stated sigma (default: points 0.017, bodies 0.3, "
-                  "others 0.05)")
-      ->check(positive());
-  command
-      .add_option("--height-sigma-mm", options.height_sigma_mm,
-                  "of heights and dial readings without a stated sigma (default: 0.05)")
-      ->check(positive());
-  command.add_option("--dial-angle-deg", options.dial_angle_deg, "of the direction of a dial gauge (default: 0.5)")
-      ->check(within(option_limits::kDialAngleDeg));
-  command
-      .add_option("--sigma-deg", options.sigma_deg,
-                  "of rotations and orientations without a stated sigma (default: 0.3)")
-      ->check(positive());
-  command
-      .add_option("--tracker-um", options.tracker_um,
-                  "laser tracker at the origin of its frame: transverse and radial, each constant and per m, such as "
-                  "15,6,10,0.3")
-      ->lists("UM,UM/M,UM,UM/M", 4)
-      ->check(non_negative());
 }
 
 Option* add_measuring_options(Command& command, MeasuringOptions& options) {
@@ -231,15 +178,6 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
           "how points of an export are assigned to poses: by name, or in order (one or more passes over all poses)")
       ->check(one_of({"name", "order"}));
   add_table_options(command, options.style);
-  add_noise_options(command, options);
-  command
-      .add_option("--distance-bias-mm", options.distance_bias_mm,
-                  "of an error that all distances or all ball bar lengths share, such as a zero error")
-      ->check(non_negative());
-  command
-      .add_option("--scale-ppm", options.scale_ppm,
-                  "of the scale of the readings relative to the machine (1 K of steel: 11.5)")
-      ->check(within(option_limits::kScalePpm));
   command.heading("Temperature");
   command
       .add_option("--temperature-c", options.temperature_c,
@@ -253,16 +191,6 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options) {
       .add_option("--instrument-expansion-ppm", options.instrument_expansion_ppm,
                   "thermal expansion of the instrument per K; 0: it compensates its own")
       ->check(between(-10.0, 100.0));
-  command.heading("Frames");
-  command.add_option("--frame", options.frame, "frame of the measured points: the robot's, or unknown and fitted")
-      ->check(one_of({"unknown", "robot"}));
-  command
-      .add_option("--body", options.body, "mounting of the measured body: in the plate's frame, or unknown and fitted")
-      ->check(one_of({"unknown", "plate"}));
-  command
-      .add_option("--rotation", options.rotation,
-                  "zero of the measured rotations: unknown and fitted (relative), or the robot's (absolute)")
-      ->check(one_of({"relative", "absolute"}));
   return measurements;
 }
 
@@ -272,7 +200,11 @@ VirtualInstrument InstrumentOptions::instrument(bool reads_rotation) const {
                                .repeats = repeats,
                                .reads_rotation = reads_rotation,
                                .rotation_noise = to_radians(rotation_noise_deg)};
-  if (!tracker_um.empty()) instrument.tracker = tracker_model(tracker_um);
+  try {
+    if (!tracker_um.empty()) instrument.tracker = io::tracker_of_um(tracker_um);
+  } catch (const InvalidArgument& refused) {
+    throw WrongUsage(std::string("--tracker-um: ") + refused.what());
+  }
   if (!second.empty()) instrument.second = Eigen::Vector3d(second[0], second[1], second[2]);
   return instrument;
 }

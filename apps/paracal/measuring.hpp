@@ -18,33 +18,21 @@
 
 namespace paracal::app {
 
-/// What commands that read measurements ask for.
+/// Tables of readings, and what they do not say of themselves.
 struct MeasuringOptions {
   std::vector<std::string> files;
   std::vector<std::string> poses;  ///< one table for all files that name poses, or one for each of them in their order
   std::string columns, unit, match = "name";
   io::TableStyle style;
-  std::optional<double> sigma_mm, height_sigma_mm, sigma_deg;
-  double distance_bias_mm = 0.0;
-  std::optional<double> dial_angle_deg;
-  double scale_ppm = 15.0, expansion_ppm = 11.5, instrument_expansion_ppm = 0.0;
+  double expansion_ppm = 11.5, instrument_expansion_ppm = 0.0;
   std::optional<double> temperature_c;
-  bool sigma_known = false;
-  std::vector<double> tracker_um;
-  std::string frame = "unknown", body = "unknown", rotation = "relative";
 
   /// Files that may say which robot they are of.
   std::vector<std::string> tables() const;
   /// Every file by what its header says it is, all in one.
   Measurements read(const Robot& robot) const;
-  NoiseModel noise() const;
-  /// Whether options state the noise of all that was read, where readings do not.
-  bool states_noise_of(const Measurements& measurements) const;
   /// What is known of lengths read against lengths of the machine at 20 deg C, m/m.
   double expansion() const;
-  BodyPlace body_kind() const { return body == "plate" ? BodyPlace::plate : BodyPlace::unknown; }
-  Frame frame_kind() const { return frame == "robot" ? Frame::robot : Frame::unknown; }
-  RotationZero rotation_kind() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
 };
 
 /// @returns --measurements, which is required unless its taker says otherwise.
@@ -54,22 +42,26 @@ Option* add_measuring_options(Command& command, MeasuringOptions& options);
 struct PlanningOptions {
   PlannedReadings readings;
   std::vector<double> at;
+  std::string rotation = "none";
+  bool reads_rotation = false;  ///< as --rotation was asked for before
 
-  /// @param rotation  the option that asks for phi.
+  RotationZero rotation_zero() const { return rotation == "absolute" ? RotationZero::known : RotationZero::unknown; }
   /// @throws WrongUsage for a second reflector or a rotation of what has none, and for --at where it says nothing or is
   /// missing.
-  PlannedReadings planned(std::string_view rotation) const;
+  PlannedReadings planned() const;
 };
+
+/// --reflectors: what the second reflector, or a body, is mounted on.
+Option* add_mount_option(Command& command, ReflectorMount& mount);
 
 /// --measure, --at and --reflectors: what is measured at the poses of a plan.
 /// @returns all.
 std::array<Option*, 3> add_planning_options(Command& command, PlanningOptions& options);
 
-/// --reflectors: what the second reflector, or a body, is mounted on.
-Option* add_mount_option(Command& command, ReflectorMount& mount);
-
-/// --sigma-mm, --sigma-deg, --tracker-um: for commands that plan or simulate, too.
-void add_noise_options(Command& command, MeasuringOptions& options);
+/// --rotation: whether phi is read, and from which of these zeros.
+/// @returns it, and --read-rotation, which --help does not show.
+std::array<Option*, 2> add_rotation_options(Command& command, PlanningOptions& options,
+                                            const std::vector<std::string>& zeros);
 
 /// The instrument of commands that measure virtual machines.
 struct InstrumentOptions {

@@ -1,14 +1,13 @@
 #include "options.hpp"
 
+#include <fmt/ranges.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
 #include <array>
 
+#include "io/calibrations/calibration_settings.hpp"
 #include "paracal/calibration/source_selection.hpp"
-#include "paracal/io/file.hpp"
-#include "paracal/io/toml.hpp"
-#include "paracal/units.hpp"
 
 namespace paracal::python {
 
@@ -25,87 +24,89 @@ std::uint64_t checked(const char* name, std::int64_t number, const option_limits
 
 namespace {
 
-TrackerModel tracker_of(const Keywords& given) {
-  const auto um = given.get<std::array<double, 4>>("tracker_um", "four numbers");
-  const TrackerModel tracker{um[0] * 1e-3, um[1] * 1e-3, um[2] * 1e-3, um[3] * 1e-3};
-  const auto believable = [](double at_one_metre) { return plausible::kNoise.contains(at_one_metre); };
-  const bool positive = std::ranges::all_of(um, [](double one) { return one >= 0.0; });
-  if (positive && believable(tracker.transverse + tracker.transverse_per_m) &&
-      believable(tracker.radial + tracker.radial_per_m)) {
-    return tracker;
+using io::Setting;
+
+/// The value of a keyword, put into that of a setting.
+class Keyword {
+ public:
+  Keyword(const Keywords& given, const Setting& setting, const Robot* robot)
+      : given_(given), setting_(setting), name_(setting.python_keyword()), robot_(robot) {}
+
+  bool is_given() const { return given_.has(name_.c_str()); }
+
+  void put_into(bool& value) const { value = get<bool>("True or False") == setting_.flag_sets; }
+  void put_into(double& value) const { value = number(); }
+  void put_into(std::optional<double>& value) const { value = number(); }
+  void put_into(std::optional<TrackerModel>& value) const {
+    const auto um = get<std::array<double, 4>>("four numbers");
+    try {
+      value = io::tracker_of_um(um);
+    } catch (const InvalidArgument& refused) {
+      throw InvalidArgument(fmt::format("{}: {}", name_, refused.what()));
+    }
   }
-  throw InvalidArgument(fmt::format("tracker_um: expected four numbers of at least 0 that give {:g} to {:g} mm at 1 m",
-                                    plausible::kNoise.least, plausible::kNoise.most));
-}
+  void put_into(std::vector<SourceSelector>& value) const {
+    value = source_selectors(get<std::vector<std::string>>("names of source errors"), robot_->joint_space());
+  }
+  void put_into(std::optional<Tolerances>& value) const { value = get<Tolerances>("Tolerances"); }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void put_into(Enum& value) const {
+    const auto word = get<std::string>("a text");
+    const auto found = io::value_of<Enum>(word);
+    if (!found) {
+      throw InvalidArgument(
+          fmt::format("{}: expected one of {}, got \"{}\"", name_, fmt::join(io::words_of<Enum>(), ", "), word));
+    }
+    value = *found;
+  }
 
-void take_limits(const Keywords& given, AcceptanceLimits& limits) {
-  given.take_number("limit_mm", plausible::kLimit, limits.distance);
-  given.take_number("limit_aligned_mm", plausible::kLimit, limits.volumetric);
-  given.take_number("limit_rad", plausible::kLimitRad, limits.rotation);
-}
+ private:
+  template <typename T>
+  T get(std::string_view expected) const {
+    return given_.get<T>(name_.c_str(), expected);
+  }
+  double number() const {
+    return checked(name_.c_str(), get<double>("a number"), setting_.python_range()) / setting_.python_factor();
+  }
 
-void take_mount(const Keywords& given, ReflectorMount& mount) {
-  given.choose("reflectors",
-               {{name(ReflectorMount::plate), ReflectorMount::plate},
-                {name(ReflectorMount::end_effector), ReflectorMount::end_effector},
-                {name(ReflectorMount::end_effector_reversed), ReflectorMount::end_effector_reversed}},
-               mount);
-}
+  const Keywords& given_;
+  const Setting& setting_;
+  std::string name_;
+  const Robot* robot_;
+};
 
-/// What calibration and validation have in common.
-template <typename Options>
-void take_common(const Keywords& given, Options& options) {
-  options.noise = noise_of(given);
-  given.take("sigma_known", "True or False", options.noise_is_known);
-  given.choose("frame", {{"unknown", Frame::unknown}, {"robot", Frame::robot}}, options.frame);
-  given.choose("body", {{"unknown", BodyPlace::unknown}, {"plate", BodyPlace::plate}}, options.body);
-  given.choose("rotation", {{"relative", RotationZero::unknown}, {"absolute", RotationZero::known}},
-               options.rotation_zero);
-  take_mount(given, options.reflectors);
-  given.take_number("scale_ppm", option_limits::kScalePpm, options.scale_std, 1e-6);
-  take_limits(given, options.limits);
+/// @param robot  of names of its errors; null for lists without them.
+template <typename List, typename Options>
+void take(const Keywords& given, const Robot* robot, Options& options) {
+  List::list(options, 1.0, [&]<typename T>(const Setting& setting, T& value, auto&... other) {
+    if constexpr (requires(const Keyword& keyword) { keyword.put_into(value); }) {
+      const Keyword keyword(given, setting, robot);
+      if (setting.option.empty() || !keyword.is_given()) return;
+      keyword.put_into(value);
+      ((other = value), ...);
+    }
+  });
 }
 
 }  // namespace
 
 NoiseModel noise_of(const Keywords& given) {
-  const plausible::Range dial_angle{0.0, to_radians(option_limits::kDialAngleDeg.most), "rad"};
-  NoiseModel noise;
-  given.take_number("sigma_mm", plausible::kNoise, noise.distance);
-  given.take_number("sigma_mm", plausible::kNoise, noise.point);
-  given.take_number("sigma_mm", plausible::kNoise, noise.body);
-  given.take_number("height_sigma_mm", plausible::kNoise, noise.height);
-  given.take_number("sigma_rad", plausible::kNoise, noise.rotation);
-  given.take_number("distance_bias_mm", option_limits::kStd, noise.distance_bias);
-  given.take_number("dial_angle_rad", dial_angle, noise.dial_angle);
-  given.take_number("joint_sigma", option_limits::kStd, noise.joint);
-  if (given.has("tracker_um")) noise.tracker = tracker_of(given);
-  return noise;
+  CalibrationOptions options;
+  take<io::NoiseSettings>(given, nullptr, options);
+  return options.noise;
 }
 
 CalibrationOptions calibration_options(const Robot& robot, const Keywords& given) {
   CalibrationOptions options;
-  take_common(given, options);
-  given.choose("method", {{"best", Method::best}, {"paper", Method::paper}}, options.method);
-  given.choose("stage", {{"auto", Stage::automatic}, {"rough", Stage::rough}, {"fine", Stage::fine}}, options.stage);
-  if (given.has("tolerances")) options.tolerances = given.get<Tolerances>("tolerances", "Tolerances");
-  const auto selected = [&](const char* key) {
-    return given.has(key) ? source_selectors(given.get<std::vector<std::string>>(key, "names of source errors"),
-                                             robot.joint_space())
-                          : std::vector<SourceSelector>();
-  };
-  options.fixed = selected("fixed");
-  options.free = selected("free");
+  take<io::CalibrationSettings>(given, &robot, options);
   check_selection(options, robot.joint_space());
-  bool keeps_outliers = false;
-  given.take("keep_outliers", "True or False", keeps_outliers);
-  options.exclude_outliers = !keeps_outliers;
   return options;
 }
 
 ValidationOptions validation_options(const Keywords& given) {
   ValidationOptions options;
-  take_common(given, options);
+  take<io::ValidationSettings>(given, nullptr, options);
   options.rotation_noise_is_known = given.has("sigma_rad");
   return options;
 }
@@ -130,7 +131,11 @@ PlannedReadings planned_readings(const Keywords& given) {
   }
   given.take("read_rotation", "True or False", readings.rotation);
   given.take("second", "True or False", readings.second);
-  take_mount(given, readings.mount);
+  if (given.has("reflectors")) {
+    CalibrationOptions options;
+    take<io::ReadingSettings>(given, nullptr, options);
+    readings.mount = options.reflectors;
+  }
   if (given.has("at")) {
     const auto at = given.get<std::array<double, 3>>("at", "x, y, z in mm");
     readings.at = Eigen::Vector3d(at[0], at[1], at[2]);

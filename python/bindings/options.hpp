@@ -72,7 +72,7 @@ class Keywords {
   py::dict given_;
 };
 
-/// sigma_mm, height_sigma_mm, sigma_rad, tracker_um, distance_bias_mm, dial_angle_rad.
+/// The keywords of noise (io/calibrations/calibration_settings.hpp).
 NoiseModel noise_of(const Keywords& given);
 
 /// The keywords of paracal.calibrate().

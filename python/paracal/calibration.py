@@ -256,56 +256,73 @@ def calibrate(
     robot: Robot,
     measurements: Measurements,
     *,
-    stage: str = "auto",
-    method: str = "best",
     sigma_mm: float | None = None,
     height_sigma_mm: float | None = None,
-    sigma_rad: float | None = None,
-    sigma_known: bool = False,
-    tracker_um: Iterable[float] | None = None,
-    distance_bias_mm: float = 0.0,
     dial_angle_rad: float | None = None,
-    joint_sigma: float = 0.0,
-    scale_ppm: float = 15.0,
-    frame: str = "unknown",
-    body: str = "unknown",
+    sigma_rad: float | None = None,
+    tracker_um: Iterable[float] | None = None,
+    distance_bias_mm: float = 0,
+    scale_ppm: float = 15,
     rotation: str = "relative",
     reflectors: str = "plate",
-    tolerances: Tolerances | None = None,
-    fixed: Iterable[str] = (),
-    free: Iterable[str] = (),
-    keep_outliers: bool = False,
+    frame: str = "unknown",
+    body: str = "unknown",
     limit_mm: float | None = None,
     limit_aligned_mm: float | None = None,
     limit_rad: float | None = None,
+    joint_sigma: float = 0,
+    stage: str = "auto",
+    method: str = "best",
+    tolerances: Tolerances | None = None,
+    fixed: Iterable[str] = (),
+    free: Iterable[str] = (),
+    sigma_known: bool = False,
+    keep_outliers: bool = False,
 ) -> Calibration:
     """Identifies the geometric errors of a machine from readings of one or several kinds. Releases
     the interpreter lock.
 
-    stage: "rough": only encoder offsets; "fine": all errors; "auto": as the readings allow.
-    method: "best": exact model, readings weighted by their covariance, tolerances as priors;
-        "paper": as in [huang2016, Eqs. (16)-(21)].
-    sigma_mm, height_sigma_mm: standard deviation of points and distances, of heights and dials, mm.
-    sigma_rad: standard deviation of encoder readings of phi, rad; default: 0.3 deg.
-    sigma_known: True: use these values as they are, without correction from the residuals.
-    tracker_um: instead of sigma_mm for points: transverse um, um per m, radial um, um per m.
-    distance_bias_mm: standard deviation of a common offset of all distances, or of all ball-bar
-        lengths, mm.
-    dial_angle_rad: standard deviation of a dial's direction, rad; default (assumed): 0.5 deg.
-    joint_sigma: standard deviation of each joint of the measurements, rad or mm, of a robot with more
-        limbs than degrees of freedom: how much joints disagree is then a reading; 0: it is none.
-    scale_ppm: standard deviation of the scale of the readings relative to the machine.
-    frame: frame of the measured points: "unknown" or "robot".
-    body: mounting of a measured body: "unknown", or "plate": its frame is that of the plate.
-    rotation: zero of measured rotations: "relative" (unknown) or "absolute".
-    reflectors: what carries the second reflector: "plate", "end-effector" or
-        "end-effector-reversed".
-    tolerances: priors; default: the robot's tolerances, else default tolerances.
-    fixed, free: geometric errors fixed at zero, or estimated without a prior: "alpha0" of all
-        limbs, "e_x2" of limb 2.
-    keep_outliers: True: report outliers, but use them.
-    limit_mm, limit_aligned_mm, limit_rad: the calibration is accepted only if U over the
-        workspace is below these limits.
+    The calibration is accepted only if U over the workspace is below the limits.
+
+    Keywords:
+        sigma_mm: standard deviation of coordinates, distances and lengths without a stated sigma
+            (default: points 0.017, bodies 0.3, others 0.05).
+        height_sigma_mm: standard deviation of heights and dial readings without a stated sigma
+            (default: 0.05).
+        dial_angle_rad: standard deviation of the direction of a dial gauge (default: 0.5 deg,
+            assumed).
+        sigma_rad: standard deviation of rotations and orientations without a stated sigma (default:
+            0.3 deg).
+        tracker_um: laser tracker at the origin of its frame, instead of a sigma of points: standard
+            deviation transverse and radial, each constant and per m, such as 15,6,10,0.3.
+        distance_bias_mm: standard deviation of an error that all distances or all ball bar lengths
+            share, such as a zero error; 0: none.
+        scale_ppm: standard deviation of the scale of the readings relative to the machine (1 K of
+            steel: 11.5).
+        rotation: "relative" or "absolute": zero of the measured rotations: unknown and fitted
+            (relative), or the robot's (absolute).
+        reflectors: "plate", "end-effector" or "end-effector-reversed": where the second reflector
+            or the measured body is mounted; reversed: it turns by -phi.
+        frame: "unknown" or "robot": frame of the measured points: the robot's, or unknown and
+            fitted.
+        body: "unknown" or "plate": mounting of the measured body: in the plate's frame, or unknown
+            and fitted.
+        limit_mm: largest allowed distance error.
+        limit_aligned_mm: largest allowed position error after the best alignment of both frames.
+        limit_rad: largest allowed rotation error.
+        joint_sigma: standard deviation of each joint of the readings, in their unit, of a robot
+            with more limbs than degrees of freedom: its joints are readings, too; 0: they only say
+            where the plate is.
+        stage: "rough", "fine" or "auto": rough: encoder offsets only; fine: all errors; auto: as
+            much as the measurements support.
+        method: "paper" or "best": best: exact model with priors and full covariance; paper: Eqs. 19
+            and 21 of Huang et al. (2016).
+        tolerances: tolerances used as priors (default: the robot's).
+        fixed: errors fixed at zero, of one limb or of all, such as alpha0,e_x2.
+        free: errors estimated without a prior.
+        sigma_known: the standard deviations of readings are known: do not correct them by the
+            residuals.
+        keep_outliers: report outliers, but do not exclude them.
 
     Raises InvalidArgument for invalid options or readings, Unreachable for a pose out of reach,
     and InputFileError for measurements of another robot. A doubtful fit raises nothing: see

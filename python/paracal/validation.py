@@ -119,27 +119,55 @@ def validate(
     *,
     sigma_mm: float | None = None,
     height_sigma_mm: float | None = None,
+    dial_angle_rad: float | None = None,
     sigma_rad: float | None = None,
-    sigma_known: bool = False,
     tracker_um: Iterable[float] | None = None,
-    scale_ppm: float = 15.0,
-    frame: str = "unknown",
-    body: str = "unknown",
+    distance_bias_mm: float = 0,
+    scale_ppm: float = 15,
     rotation: str = "relative",
     reflectors: str = "plate",
+    frame: str = "unknown",
+    body: str = "unknown",
     limit_mm: float | None = None,
     limit_aligned_mm: float | None = None,
     limit_rad: float | None = None,
+    sigma_known: bool = False,
 ) -> Validation:
     """Checks a calibration with measurements that it has not used.
 
     "Before" compares measured with commanded poses, "after" with the poses that the calibrated
     machine predicts from the joints; both relative to home.
     machine: a Calibration, or the result of read_calibration().
-    sigma_known: True: use the given sigmas as they are, as the program does with given sigmas.
-    limit_mm, limit_aligned_mm, limit_rad: limits of distances to home, positions after alignment,
-        and rotations.
-    The other keywords are as in calibrate().
+
+    Keywords:
+        sigma_mm: standard deviation of coordinates, distances and lengths without a stated sigma
+            (default: points 0.017, bodies 0.3, others 0.05).
+        height_sigma_mm: standard deviation of heights and dial readings without a stated sigma
+            (default: 0.05).
+        dial_angle_rad: standard deviation of the direction of a dial gauge (default: 0.5 deg,
+            assumed).
+        sigma_rad: standard deviation of rotations and orientations without a stated sigma (default:
+            0.3 deg).
+        tracker_um: laser tracker at the origin of its frame, instead of a sigma of points: standard
+            deviation transverse and radial, each constant and per m, such as 15,6,10,0.3.
+        distance_bias_mm: standard deviation of an error that all distances or all ball bar lengths
+            share, such as a zero error; 0: none.
+        scale_ppm: standard deviation of the scale of the readings relative to the machine (1 K of
+            steel: 11.5).
+        rotation: "relative" or "absolute": zero of the measured rotations: unknown and fitted
+            (relative), or the robot's (absolute).
+        reflectors: "plate", "end-effector" or "end-effector-reversed": where the second reflector
+            or the measured body is mounted; reversed: it turns by -phi.
+        frame: "unknown" or "robot": frame of the measured points: the robot's, or unknown and
+            fitted.
+        body: "unknown" or "plate": mounting of the measured body: in the plate's frame, or unknown
+            and fitted.
+        limit_mm: largest allowed distance error.
+        limit_aligned_mm: largest allowed position error after the best alignment of both frames.
+        limit_rad: largest allowed rotation error.
+        sigma_known: the given standard deviations are known, as the program takes them if they are
+            given.
+
     Raises InvalidArgument for invalid or too few measurements, Unreachable as calibrate(). With
     measurements that the calibration has used, the validation is not accepted.
     """

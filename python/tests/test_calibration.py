@@ -1,7 +1,9 @@
 """Calibrate, validate and compensate: against the program to the bit, against the truth, and in
 threads."""
 
+import inspect
 import json
+import math
 import resource
 import unittest
 from unittest import mock
@@ -126,7 +128,7 @@ class Published(TestCase):
     def test_wrong_keywords(self):
         robot, measured = published()
         for keywords, message in (
-            ({"stage": "coarse"}, 'stage: expected one of auto, rough, fine, got "coarse"'),
+            ({"stage": "coarse"}, 'stage: expected one of rough, fine, auto, got "coarse"'),
             ({"sigma_mm": -1.0}, "sigma_mm: expected 1e-05 to 1e.06, got -1"),
             ({"sigma_mm": float("nan")}, "sigma_mm: expected .* got nan"),
             ({"tracker_um": (1.0, -1.0, 1.0, 1.0)}, "tracker_um: expected four numbers"),
@@ -138,10 +140,28 @@ class Published(TestCase):
         ):
             with self.assertRaisesRegex(pc.InvalidArgument, message):
                 pc.calibrate(robot, measured, **keywords)
-        with self.assertRaisesRegex(TypeError, "sigma_mm: expected a number, got 'thin'"):
-            pc.calibrate(robot, measured, sigma_mm="thin")
         with self.assertRaises(TypeError):
             pc.calibrate(robot, measured, sigma=0.1)
+
+    def test_every_keyword_is_checked(self):
+        robot, measured = published()
+        machine = pc.calibrate(robot, measured, stage="rough", fixed=["e_x"]).known
+        names = set()
+        for call, first in ((pc.calibrate, (robot, measured)), (pc.validate, (machine, measured))):
+            for name, one in inspect.signature(call).parameters.items():
+                if "float" in one.annotation and "Iterable" not in one.annotation:
+                    wrong = {"thin": TypeError, -1.0: pc.InvalidArgument, math.nan: pc.InvalidArgument}
+                elif one.annotation == "str":
+                    wrong = {"nonsense": pc.InvalidArgument, 1.0: TypeError}
+                elif one.annotation == "bool":
+                    wrong = {"no": TypeError}
+                else:
+                    continue
+                names.add(name)
+                for value, refusal in wrong.items():
+                    with self.subTest(name=name, value=value), self.assertRaisesRegex(refusal, name):
+                        call(*first, **{name: value})
+        self.assertGreater(len(names), 15)
 
 
 class Virtual(TestCase):

@@ -439,13 +439,6 @@ const std::vector<BrokenInput> kUsage{
     usage("unknown_paper", "reproduce newton1687", {"huang2016", "newton1687"}),
     usage("unknown_schema", "schema calibratoin", {"calibration", "calibratoin"}),
     usage("reproduce_without_paper", "reproduce", {"expected PAPER, got none"}),
-    usage("unknown_stage", kCalibrate + " --stage perfect", {"--stage", "rough", "perfect"}),
-    usage("sigma_negative", kCalibrate + " --sigma-mm -0.05", {"--sigma-mm", "-0.05"}),
-    usage("sigma_zero", kCalibrate + " --sigma-mm 0", {"--sigma-mm", "0"}),
-    usage("sigma_not_a_number", kCalibrate + " --sigma-mm nan", {"--sigma-mm", "nan"}),
-    usage("rotation_sigma_negative", kCalibrate + " --sigma-deg -1", {"--sigma-deg", "-1"}),
-    usage("rotation_sigma_not_a_number", kCalibrate + " --sigma-deg nan", {"--sigma-deg", "nan"}),
-    usage("sigma_text", kCalibrate + " --sigma-mm small", {"--sigma-mm", "small"}),
     usage("seed_negative", "robot --seed -1", {"--seed", "-1"}),
     usage("threads_text", "robot --threads all", {"--threads", "all"}),
 };

@@ -1,5 +1,6 @@
 // The schemas of results whose fields are in lists: listed_schemas FOLDER writes them, listed_schemas FOLDER --check
-// fails when they are not current.
+// fails when they are not current. listed_schemas --keywords prints the keywords of Python's calls from the lists of
+// settings, for keywords.py.
 
 #include <fmt/format.h>
 
@@ -56,11 +57,62 @@ std::string content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// Type and default of a keyword, as Python writes them.
+template <typename T>
+Json python_type(const paracal::io::Setting& setting, const T& value) {
+  using namespace paracal;
+  const bool has_default = setting.default_text.empty();
+  if constexpr (std::same_as<T, bool>) {
+    return {"bool", value == setting.flag_sets ? "True" : "False"};
+  } else if constexpr (std::is_enum_v<T>) {
+    return {"str", fmt::format("\"{}\"", io::word_of(value))};
+  } else if constexpr (std::same_as<T, double>) {
+    if (has_default) return {"float", fmt::format("{:.12g}", setting.python_factor() * value)};
+    return {"float | None", "None"};
+  } else if constexpr (std::same_as<T, std::optional<double>>) {
+    return {"float | None", "None"};
+  } else if constexpr (std::same_as<T, std::optional<TrackerModel>>) {
+    return {"Iterable[float] | None", "None"};
+  } else if constexpr (std::same_as<T, std::vector<SourceSelector>>) {
+    return {"Iterable[str]", "()"};
+  } else if constexpr (std::same_as<T, std::optional<Tolerances>>) {
+    return {"Tolerances | None", "None"};
+  } else {
+    return nullptr;
+  }
+}
+
+template <typename List, typename Options>
+Json keywords() {
+  Json all = Json::array();
+  const Options defaults;
+  List::list(defaults, 1.0, [&]<typename T>(const paracal::io::Setting& setting, const T& value, const auto&...) {
+    if (setting.option.empty()) return;
+    Json words = Json::array();
+    if constexpr (std::is_enum_v<T>) words = paracal::io::words_of<T>();
+    const Json type = python_type(setting, value);
+    all.push_back({{"keyword", setting.python_keyword()},
+                   {"type", type[0]},
+                   {"default", type[1]},
+                   {"words", words},
+                   {"text", setting.text},
+                   {"default_text", setting.default_text}});
+  });
+  return all;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.empty()) return 2;
+  if (words.front() == "--keywords") {
+    using namespace paracal;
+    fmt::print("{}\n", Json{{"calibrate", keywords<io::CalibrationSettings, CalibrationOptions>()},
+                            {"validate", keywords<io::ValidationSettings, ValidationOptions>()}}
+                           .dump());
+    return 0;
+  }
   const bool checks = words.back() == "--check";
   int differ = 0;
   for (const auto& [name, schema] : listed_schemas()) {

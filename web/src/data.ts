@@ -329,45 +329,45 @@ export interface Dial {
   direction_z: number;
 }
 export interface CalibrationOptions {
-  method: "paper" | "best";
-  stage: "rough" | "fine" | "auto";
-  frame: "unknown" | "robot";
-  body: "unknown" | "plate";
-  rotation: "relative" | "absolute";
-  reflectors: "plate" | "end-effector" | "end-effector-reversed";
   distance_sigma_mm: number;
   point_sigma_mm: number;
   body_sigma_mm: number;
-  rotation_sigma_deg: number;
   height_sigma_mm: number;
-  distance_bias_sigma_mm: number;
   dial_angle_sigma_deg: number | null;
-  plane_slope_sigma_rad: number | null;
-  plane_curvature_sigma_per_mm: number | null;
-  common: CommonError[];
-  noise_is_known: boolean;
-  fixed: string[];
-  free: string[];
-  exclude_outliers: boolean;
+  rotation_sigma_deg: number;
+  tracker?: TrackerNoise;
+  distance_bias_sigma_mm: number;
   scale_sigma_ppm: number;
+  rotation: "relative" | "absolute";
+  reflectors: "plate" | "end-effector" | "end-effector-reversed";
+  frame: "unknown" | "robot";
+  body: "unknown" | "plate";
   limit_distance_mm: number | null;
   limit_aligned_mm: number | null;
   limit_rotation_deg: number | null;
+  joint_sigma?: number;
+  stage: "rough" | "fine" | "auto";
+  method: "paper" | "best";
+  tolerances?: HalfWidths;
+  fixed: string[];
+  free: string[];
+  noise_is_known: boolean;
+  exclude_outliers: boolean;
   outlier_chance: number;
   largest_chance: number;
-  joint_sigma?: number;
-  tracker?: TrackerNoise;
-  tolerances?: HalfWidths;
-}
-export interface CommonError {
-  text: string;
-  std_mm: number;
+  plane_slope_sigma_rad: number | null;
+  plane_curvature_sigma_per_mm: number | null;
+  common: CommonError[];
 }
 export interface TrackerNoise {
   transverse_mm: number;
   transverse_mm_per_m: number;
   radial_mm: number;
   radial_mm_per_m: number;
+}
+export interface CommonError {
+  text: string;
+  std_mm: number;
 }
 export interface InputFile {
   file: string;

@@ -16,60 +16,32 @@
 #include "printing.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
-#include "validating.hpp"
+#include "settings.hpp"
 
 namespace paracal::app {
 namespace {
 
 struct CalibrateArguments {
   MeasuringOptions measuring;
-  double joint_sigma = 0.0;  ///< deg or mm
+  Settings<io::CalibrationSettings> settings;
   ControllerOptions controller;
-  std::string stage = "auto", method = "best", tolerances;
-  LimitOptions limits;
   PrinterOptions printer;
-  std::vector<std::string> fixed, free;
-  ReflectorMount reflectors = ReflectorMount::plate;
-  bool keep_outliers = false;
   std::shared_ptr<std::string> report;
 };
 
-/// --fix and --free.
-void take_selection(const CalibrateArguments& options, CalibrationOptions& calibration, const JointSpace& limbs) {
-  try {
-    calibration.fixed = source_selectors(options.fixed, limbs);
-    calibration.free = source_selectors(options.free, limbs);
-    check_selection(calibration, limbs);
-  } catch (const InvalidArgument& refused) {
-    throw WrongUsage(std::string("--fix, --free: ") + refused.what());
-  }
-}
-
 CalibrationOptions calibration_options(const CalibrateArguments& options, const Robot& robot) {
-  if (options.joint_sigma > 0.0 && robot.nominal().gap_count() == 0) {
+  CalibrationOptions calibration;
+  options.settings.put_into(calibration, robot);
+  if (calibration.noise.joint > 0.0 && robot.nominal().gap_count() == 0) {
     throw WrongUsage(
         "--joint-sigma: expected a robot with more limbs than degrees of freedom and one rod on each, got " +
         robot.name());
   }
-  CalibrationOptions calibration;
-  calibration.method = options.method == "paper" ? Method::paper : Method::best;
-  calibration.stage = options.stage == "rough"  ? Stage::rough
-                      : options.stage == "fine" ? Stage::fine
-                                                : Stage::automatic;
-  calibration.noise = options.measuring.noise();
-  calibration.noise.joint = from_file_unit(joint_unit(robot.actuator()), options.joint_sigma);
-  calibration.noise_is_known = options.measuring.sigma_known;
-  calibration.frame = options.measuring.frame_kind();
-  calibration.body = options.measuring.body_kind();
-  calibration.rotation_zero = options.measuring.rotation_kind();
-  calibration.reflectors = options.reflectors;
-  if (!options.tolerances.empty()) {
-    calibration.tolerances = read_priors(io::read_stored(options.tolerances), robot);
+  try {
+    check_selection(calibration, robot.joint_space());
+  } catch (const InvalidArgument& refused) {
+    throw WrongUsage(std::string("--fix, --free: ") + refused.what());
   }
-  calibration.exclude_outliers = !options.keep_outliers;
-  calibration.scale_std = 1e-6 * options.measuring.scale_ppm;
-  calibration.limits = options.limits.limits();
-  take_selection(options, calibration, robot.joint_space());
   return calibration;
 }
 
@@ -139,7 +111,7 @@ void run(const CalibrateArguments& options, Session& session) {
   const io::Json file = io::to_json(calibration, now());
   if (!options.report->empty()) {
     CalibrationPage page = page_of(calibration, measurements);
-    page.files = {options.tolerances};
+    page.files = options.settings.option("tolerances")->values();
     write_calibration_page(*options.report, session, calibration, file, page);
   }
   if (!session.out().empty()) session.print_json(file);
@@ -160,37 +132,14 @@ void add_calibrate(Command& program, Session& session) {
                           "estimate the machine's errors from measurements; --out saves the calibration (JSON)");
   const auto options = std::make_shared<CalibrateArguments>();
   add_measuring_options(*command, options->measuring);
-  command->heading("Uncertainty of the instrument (one standard deviation)");
-  command
-      ->add_option(
-          "--joint-sigma", options->joint_sigma,
-          "of each joint in the table, deg or mm as there, of a robot with more limbs than degrees of freedom: "
-          "its joints are readings, too; 0: they only say where the plate is")
-      ->check(non_negative());
   Option* measurements = command->get_option("--measurements");
   measurements->required(false);
-  add_mount_option(*command, options->reflectors);
+  options->settings.declare(*command);
   add_controller_options(*command, options->controller);
   add_controller_robot_option(*command, options->controller);
-  add_limit_options(*command, options->limits);
   command->heading(kHidden);  // shown by paracal printer
   Option* const printer = add_printer_option(*command, options->printer.printer)->excludes(measurements);
   for (Option* one : add_printer_options(*command, options->printer, session.outputs)) one->needs(printer);
-  command->heading("Fit");
-  command
-      ->add_option("--stage", options->stage,
-                   "rough: encoder offsets only; fine: all errors; auto: as much as the measurements support")
-      ->check(one_of({"rough", "fine", "auto"}));
-  command
-      ->add_option("--method", options->method,
-                   "best: exact model with priors and full covariance; paper: Eqs. 19 and 21 of Huang et al. (2016)")
-      ->check(one_of({"best", "paper"}));
-  command->add_option("--tolerances", options->tolerances, "tolerances used as priors (TOML; default: the robot's)");
-  command->add_option("--fix", options->fixed, "errors fixed at zero, such as alpha0,e_x2")->lists("NAME,...");
-  command->add_option("--free", options->free, "errors estimated without a prior")->lists("NAME,...");
-  command->add_flag("--sigma-known", options->measuring.sigma_known,
-                    "do not correct --sigma-mm and --sigma-deg by the residuals");
-  command->add_flag("--keep-outliers", options->keep_outliers, "report outliers, but do not exclude them");
   command->heading("Results");
   options->report = add_report_option(*command, session);
   command->example("Calibrate from a laser tracker's points and save the result",

@@ -12,22 +12,21 @@
 #include "paracal/io/tables.hpp"
 #include "paracal/units.hpp"
 #include "session.hpp"
+#include "settings.hpp"
 
 namespace paracal::app {
 namespace {
 
 struct IdentifiabilityArguments {
-  MeasuringOptions measuring;
+  io::TableStyle style;
+  Settings<io::PlanSettings> settings;
   PlanningOptions plan;
   std::string poses;
-  std::string rotation = "none";
 };
 
 Measurements plan_of(const Robot& robot, const IdentifiabilityArguments& options) {
-  PlanningOptions plan = options.plan;
-  plan.readings.rotation = options.rotation != "none";
-  return planned(robot, io::read_poses(input_table(options.poses, options.measuring.style), robot.joint_space()),
-                 plan.planned("--rotation"));
+  return planned(robot, io::read_poses(input_table(options.poses, options.style), robot.joint_space()),
+                 options.plan.planned());
 }
 
 /// Rotations between poses do not see the zero of phi. Where it is known, home is one reading more; the point that
@@ -45,15 +44,14 @@ Identifiability seen_by(const Robot& robot, Measurements plan, CalibrationOption
   return seen;
 }
 
-CalibrationOptions calibration_options(const IdentifiabilityArguments& options) {
+CalibrationOptions calibration_options(const IdentifiabilityArguments& options, const Robot& robot) {
   CalibrationOptions calibration;
-  calibration.noise = options.measuring.noise();
+  options.settings.put_into(calibration, robot);
   const Measurand measurand = options.plan.readings.measurand;
   const bool points = measurand == Measurand::coordinates || measurand == Measurand::poses;
-  calibration.frame = points ? options.measuring.frame_kind() : Frame::unknown;
-  calibration.body = options.measuring.body_kind();
+  if (!points) calibration.frame = Frame::unknown;
   calibration.reflectors = options.plan.readings.mount;
-  calibration.rotation_zero = options.rotation == "absolute" ? RotationZero::known : RotationZero::unknown;
+  calibration.rotation_zero = options.plan.rotation_zero();
   return calibration;
 }
 
@@ -138,7 +136,7 @@ io::Json json_of(const Robot& robot, const Identifiability& seen, const std::vec
 void run(const IdentifiabilityArguments& options, Session& session) {
   const Robot robot = session.robot({.tables = {options.poses}});
   const Measurements plan = plan_of(robot, options);
-  const CalibrationOptions calibration = calibration_options(options);
+  const CalibrationOptions calibration = calibration_options(options, robot);
   const Identifiability seen = seen_by(robot, plan, calibration);
   const KnownErrors after = promised(robot, plan, calibration);
   const WorkspaceUncertainty spread =
@@ -155,19 +153,12 @@ void add_identifiability(Command& program, Session& session) {
                                          "predict what a measurement plan can determine, before measuring");
   const auto options = std::make_shared<IdentifiabilityArguments>();
   command->add_option("--poses", options->poses, "poses of the plan (CSV)")->required();
-  add_table_options(*command, options->measuring.style);
+  add_table_options(*command, options->style);
   command->heading("Measurement");
   add_planning_options(*command, options->plan);
-  command->add_option("--frame", options->measuring.frame, "frame of the measured coordinates")
-      ->check(one_of({"unknown", "robot"}));
-  command
-      ->add_option("--body", options->measuring.body,
-                   "mounting of the measured body: in the plate's frame, or unknown and fitted")
-      ->check(one_of({"unknown", "plate"}));
-  command->add_option("--rotation", options->rotation, "whether phi is measured, and from which zero")
-      ->check(one_of({"none", "relative", "absolute"}));
+  add_rotation_options(*command, options->plan, {"none", "relative", "absolute"});
   command->add_flag("--second", options->plan.readings.second, "a second reflector is measured, too; it shows tilt");
-  add_noise_options(*command, options->measuring);
+  options->settings.declare(*command);
   command->example("Check a plan", "paracal identifiability --poses plan.csv");
   command->callback([&session, options] { run(*options, session); });
 }

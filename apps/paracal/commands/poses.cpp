@@ -18,13 +18,14 @@
 #include "paracal/units.hpp"
 #include "progress_line.hpp"
 #include "session.hpp"
+#include "settings.hpp"
 #include "usage.hpp"
 
 namespace paracal::app {
 namespace {
 
 struct PosesArguments {
-  MeasuringOptions measuring;
+  Settings<io::NoiseSettings> settings;
   std::string stage = "fine", criterion = "pose";
   double start_deg = to_degrees(kStartAzimuth), threshold = 0.01, acceptance_deg = 30.0;
   int optimal = 0, candidates = 10000, starts = 1;
@@ -148,11 +149,14 @@ class Search {
     const auto progress = [&](std::uint64_t done, std::uint64_t /*expected*/) {
       if (shows) line.show(done);
     };
+    CalibrationOptions stated;
+    options_.settings.put_into(stated, robot_);
     Selection selection = select_stations(robot_, candidates,
                                           {.poses = options_.optimal,
                                            .criterion = kCriteria.at(options_.criterion),
-                                           .noise = options_.measuring.noise(),
+                                           .noise = stated.noise,
                                            .readings = readings_,
+                                           .rotation_zero = options_.plan.rotation_zero(),
                                            .threads = session_.threads(),
                                            .progress = progress});
     return {std::move(candidates), std::move(selection)};
@@ -198,7 +202,7 @@ void run_selection(const PosesArguments& options, Session& session) {
     throw WrongUsage("--measure: expected one reading per pose with --optimal, got distance");
   }
   require_job(options.job, options.starts > 1, "--starts");
-  const PlannedReadings readings = options.plan.planned("--read-rotation");
+  const PlannedReadings readings = options.plan.planned();
   check_range(options);
   const Robot robot = session.robot();
   const Search search(robot, options, readings, session);
@@ -208,7 +212,8 @@ void run_selection(const PosesArguments& options, Session& session) {
   const std::vector<std::string> assumed = tolerances_of(robot).assumed;
   if (session.json()) {
     const Identifiability seen =
-        identifiability(robot, planned(robot, selection.stations, readings), {.reflectors = readings.mount});
+        identifiability(robot, planned(robot, selection.stations, readings),
+                        {.rotation_zero = options.plan.rotation_zero(), .reflectors = readings.mount});
     const Unit unit = joint_unit(robot.actuator());
     io::Json json{{"n", selection.stations.size()},
                   {"criterion", options.criterion},
@@ -280,8 +285,9 @@ void add_poses(Command& program, Session& session) {
       ->lists("MM,MM", 2)
       ->check(within(plausible::length(kLargestReach)))
       ->needs(optimal);
-  command->add_flag("--read-rotation", options->plan.readings.rotation, "phi is measured at every pose, too")
-      ->needs(optimal);
+  for (Option* option : add_rotation_options(*command, options->plan, {"none", "relative", "absolute"})) {
+    option->needs(optimal);
+  }
   command->add_flag("--second", options->plan.readings.second, "a second reflector is measured at every pose, too")
       ->needs(optimal);
   command->add_option("--tracker", options->tracker, "position of the tracker in the robot's frame, mm")
@@ -298,7 +304,7 @@ void add_poses(Command& program, Session& session) {
       ->check(between(1.0, 180.0))
       ->needs(optimal);
   command->add_flag("--on-plate", options->fixed_to_plate, "the reflector does not turn with phi")->needs(optimal);
-  add_noise_options(*command, options->measuring);
+  options->settings.declare(*command);
   add_long_job_options(*command, options->job);
   command->example("The best 20 poses for a laser tracker",
                    "paracal poses --robot huang2016 --optimal 20 --out my_plan.csv");

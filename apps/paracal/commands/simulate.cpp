@@ -116,7 +116,7 @@ io::Json json_of(const Measurements& measurements) {
 void run(const SimulateArguments& options, Session& session) {
   PlanningOptions wanted = options.plan;
   wanted.readings.second = !options.instrument.second.empty();
-  const PlannedReadings what = wanted.planned("--read-rotation");
+  const PlannedReadings what = wanted.planned();
   check_instrument(options.instrument, what);
   const Robot robot = session.robot(sources_of(options.errors, options.poses));
   RandomStream random(session.seed(), options.machine);
@@ -163,7 +163,7 @@ void add_simulate(Command& program, Session& session) {
   add_table_options(*command, options->style);
   command->heading("Measurement");
   add_planning_options(*command, options->plan);
-  command->add_flag("--read-rotation", options->plan.readings.rotation, "a rotary encoder measures phi, too");
+  add_rotation_options(*command, options->plan, {"none", "absolute"});
   command->add_option("--frame", options->frame, "frame of the instrument: the robot's, or a random setup")
       ->check(one_of({"robot", "random"}));
   add_instrument_options(*command, options->instrument);

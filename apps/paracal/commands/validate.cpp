@@ -74,7 +74,7 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const KnownErrors known = machine.known();
   const CommandedReadings read = options.read(machine, robot);
   const Measurements& measurements = read.measurements;
-  Validation validation = validate(robot, known, measurements, options.options(read));
+  Validation validation = validate(robot, known, measurements, options.options(read, robot));
   for (const std::string& own : options.own(machine, measurements)) {
     validation.accepted = false;
     validation.reasons.push_back(io::confirms_nothing(own));

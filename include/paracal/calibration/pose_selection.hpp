@@ -35,8 +35,9 @@ struct SelectionOptions {
   int poses = 20;  ///< home included
   Criterion criterion = Criterion::pose_uncertainty;
   NoiseModel noise = {};
-  PlannedReadings readings = {};              ///< at every pose; not distances of all pairs
-  std::optional<Tolerances> tolerances = {};  ///< priors; default: the robot's, or generous_tolerances()
+  PlannedReadings readings = {};                       ///< at every pose; not distances of all pairs
+  RotationZero rotation_zero = RotationZero::unknown;  ///< of phi, where it is read
+  std::optional<Tolerances> tolerances = {};           ///< priors; default: the robot's, or generous_tolerances()
   int largest_sweeps = 20;
   unsigned threads = 0;  ///< 0: all; the poses are the same
   /// Told after each pose that was added or compared with all candidates: how many so far, and how many there will be

@@ -54,6 +54,7 @@ Problem make_problem(const Robot& robot, const std::vector<Station>& candidates,
   calibration.noise = options.noise;
   calibration.tolerances = options.tolerances;
   calibration.reflectors = options.readings.mount;
+  calibration.rotation_zero = options.rotation_zero;
   const Measurements plan = planned(robot, candidates, options.readings);
   detail::Observation observation(robot, plan, calibration, detail::all_with_priors(robot, calibration), true);
   const auto unknowns = observation.start({});

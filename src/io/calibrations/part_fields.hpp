@@ -4,25 +4,13 @@
 
 #include <cmath>
 
+#include "calibration_settings.hpp"
 #include "io/fields/field.hpp"
 #include "io/tables/names.hpp"
 #include "io/tables/readings.hpp"
 #include "paracal/calibration/calibration.hpp"
 
 namespace paracal::io {
-
-template <>
-inline constexpr std::array<std::string_view, 2> kWords<Method>{"paper", "best"};
-template <>
-inline constexpr std::array<std::string_view, 3> kWords<Stage>{"rough", "fine", "auto"};
-template <>
-inline constexpr std::array<std::string_view, 2> kWords<Frame>{"unknown", "robot"};
-template <>
-inline constexpr std::array<std::string_view, 2> kWords<BodyPlace>{"unknown", "plate"};
-template <>
-inline constexpr std::array<std::string_view, 2> kWords<RotationZero>{"relative", "absolute"};
-template <>
-inline constexpr std::size_t kNames<ReflectorMount> = 3;
 
 inline std::optional<double> if_finite(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
@@ -125,8 +113,47 @@ struct OptionsInFile {
 template <>
 struct List<OptionsInFile> {
   static constexpr Place kPlace{kParts, "calibration_options", "Calibration options", "Options of a calibration."};
-  using Of = OptionsInFile;
 
+  /// Calls field(key, value, meaning, form) for each.
+  static void values(const OptionsInFile& of, auto&& field) {
+    const double joint_factor = to_file_unit(joint_unit(of.geometry.actuator), 1.0);
+    CalibrationSettings::list(
+        of.options, joint_factor, [&](const Setting& setting, const auto& value, const auto&... /*other*/) {
+          if (setting.key.empty()) return;
+          const std::string_view meaning = setting.recorded.empty() ? setting.text : setting.recorded;
+          field(setting.key, in_file(setting, value, of), meaning, form_of(setting, value));
+        });
+  }
+  /// Whose types the schema describes.
+  static OptionsInFile example() {
+    static const CalibrationOptions kOptions;
+    static const Geometry kGeometry;
+    return {kOptions, kGeometry};
+  }
+
+ private:
+  template <typename T>
+  static auto in_file(const Setting& setting, const T& value, const OptionsInFile& of) {
+    if constexpr (std::same_as<T, std::vector<SourceSelector>>) {
+      return selectors(value);
+    } else if constexpr (std::same_as<T, std::optional<Tolerances>>) {
+      return value ? std::optional(to_json(*value, of.geometry)) : std::nullopt;
+    } else if constexpr (std::same_as<T, double>) {
+      return setting.factor == 1.0 ? value : tidy(setting.factor * value);
+    } else if constexpr (std::same_as<T, std::optional<double>>) {
+      return value ? std::optional(setting.factor == 1.0 ? *value : tidy(setting.factor * *value)) : std::nullopt;
+    } else {
+      return value;
+    }
+  }
+  template <typename T>
+  static Form form_of(const Setting& setting, const T& /*value*/) {
+    Form form{.may_lack = setting.may_lack};
+    if (setting.range.least >= 0.0) form.least = 0.0;
+    if (setting.range.most < plausible::kFinite.most) form.most = setting.range.most;
+    if (std::same_as<T, std::optional<Tolerances>>) form.refers = "common.schema.json#/$defs/half_widths";
+    return form;
+  }
   static std::vector<std::string> selectors(const std::vector<SourceSelector>& selected) {
     std::vector<std::string> words;
     words.reserve(selected.size());
@@ -134,90 +161,6 @@ struct List<OptionsInFile> {
       words.push_back(std::string(name(one.source)) + (one.limb ? std::to_string(*one.limb + 1) : ""));
     }
     return words;
-  }
-  static std::optional<double> joint_sigma(const Of& of) {
-    const double sigma = of.options.noise.joint;
-    return sigma > 0.0 ? std::optional(tidy(to_file_unit(joint_unit(of.geometry.actuator), sigma))) : std::nullopt;
-  }
-  static std::optional<Json> tolerances(const Of& of) {
-    return of.options.tolerances ? std::optional(to_json(*of.options.tolerances, of.geometry)) : std::nullopt;
-  }
-
- private:
-  template <auto kMember>
-  static auto option(const Of& of) {
-    return of.options.*kMember;
-  }
-  template <auto kMember>
-  static auto noise(const Of& of) {
-    return of.options.noise.*kMember;
-  }
-  template <auto kMember>
-  static auto limit(const Of& of) {
-    return of.options.limits.*kMember;
-  }
-
-  static void choices(auto&& field) {
-    using Options = CalibrationOptions;
-    field("method", &option<&Options::method>, "best: weighted, with priors; paper: as published [huang2016]");
-    field("stage", &option<&Options::stage>, "stage as requested");
-    field("frame", &option<&Options::frame>, "whether the instrument's frame is estimated or known");
-    field("body", &option<&Options::body>, "where the measured body is mounted");
-    field("rotation", &option<&Options::rotation_zero>, "whether the zero of phi is estimated");
-    field("reflectors", &option<&Options::reflectors>, "what carries the reflectors; reversed: rotated by -phi");
-  }
-  static void sigmas(auto&& field) {
-    const auto rotation = [](const Of& of) { return tidy_degrees(of.options.noise.rotation); };
-    field("distance_sigma_mm", &noise<&NoiseModel::distance>, "standard deviation of a distance", kNotNegative);
-    field("point_sigma_mm", &noise<&NoiseModel::point>, "of each coordinate of a point", kNotNegative);
-    field("body_sigma_mm", &noise<&NoiseModel::body>, "of each coordinate of a body's origin", kNotNegative);
-    field("rotation_sigma_deg", rotation, "of a rotation", kNotNegative);
-    field("height_sigma_mm", &noise<&NoiseModel::height>, "standard deviation of a length measured at one pose",
-          kNotNegative);
-    field("distance_bias_sigma_mm", &noise<&NoiseModel::distance_bias>,
-          "standard deviation of a common offset of all distances; 0: not estimated", kNotNegative);
-    field("dial_angle_sigma_deg", &noise<&NoiseModel::dial_angle>,
-          "standard deviation of a dial's direction; null: not stated, 0.5", kAngleNotNegative);
-    field("plane_slope_sigma_rad", &option<&CalibrationOptions::plane_slope>,
-          "standard deviation of the slopes of a plane; null: not stated", kNotNegative);
-    field("plane_curvature_sigma_per_mm", &option<&CalibrationOptions::plane_curvature>,
-          "standard deviation of the curvature of the surface below the heights; null: a plane", kNotNegative);
-  }
-  static void rest(auto&& field) {
-    using Options = CalibrationOptions;
-    const auto fixed = [](const Of& of) { return selectors(of.options.fixed); };
-    const auto free = [](const Of& of) { return selectors(of.options.free); };
-    const auto scale = [](const Of& of) { return 1e6 * of.options.scale_std; };
-    field("common", &option<&Options::common>, "errors that limbs share");
-    field("noise_is_known", &option<&Options::noise_is_known>,
-          "the standard deviations are known and are not estimated");
-    field("fixed", fixed, "geometric errors fixed at zero, of one limb or of all");
-    field("free", free, "geometric errors estimated without a prior");
-    field("exclude_outliers", &option<&Options::exclude_outliers>, "outliers are excluded from the fit");
-    field("scale_sigma_ppm", scale, "standard deviation of the instrument's scale", kNotNegative);
-    field("limit_distance_mm", &limit<&AcceptanceLimits::distance>,
-          "limit of distances to home; null, as in the next two: none stated", kNotNegative);
-    field("limit_aligned_mm", &limit<&AcceptanceLimits::volumetric>, "limit of the position after the best alignment",
-          kNotNegative);
-    field("limit_rotation_deg", &limit<&AcceptanceLimits::rotation>, "limit of the rotation from home",
-          kAngleNotNegative);
-    field("outlier_chance", &option<&Options::outlier_chance>, "p-value below which the worst reading is an outlier",
-          kShare);
-    field("largest_chance", &option<&Options::largest_chance>, "largest accepted p-value of the improvement", kShare);
-    field("joint_sigma", &joint_sigma,
-          "standard deviation of a joint in its unit (deg for arms, mm for rails and struts), where joints are "
-          "readings",
-          kNotNegativeMayLack);
-    field("tracker", &noise<&NoiseModel::tracker>, "", Form{.may_lack = true});
-    field("tolerances", &tolerances, "tolerances, if not the robot's",
-          Form{.refers = "common.schema.json#/$defs/half_widths", .may_lack = true});
-  }
-
- public:
-  static void fields(auto&& field) {
-    choices(field);
-    sigmas(field);
-    rest(field);
   }
 };
 

@@ -16,6 +16,7 @@
 
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
+#include "words.hpp"
 
 namespace paracal::io {
 
@@ -28,10 +29,10 @@ struct Form {
   std::string_view only = {};        ///< the one text that stands here
   std::string_view pattern = {};     ///< of a text
   std::string_view title = {};       ///< of a choice between structs
-  bool may_lack = false;             ///< an empty value has no key; else it is null
+  bool may_lack = false;  ///< an empty value (of numbers that are never empty: 0) has no key; else it is null
 };
-inline constexpr double kDegrees = to_degrees(1.0);
 inline constexpr double kLargest = 1e6;  ///< mm or deg of anything that a robot has
+inline constexpr double kDegrees = to_degrees(1.0);
 inline constexpr Form kAngle{.factor = kDegrees};
 inline constexpr Form kAngleMayLack{.factor = kDegrees, .may_lack = true};
 inline constexpr Form kNotNegative{.least = 0.0};
@@ -50,7 +51,9 @@ struct Place {
 };
 
 /// The list of a struct has its kPlace, and fields(field), which calls field(key, get, meaning, form) for each key in
-/// its order: get is a member or a function of the struct, meaning stands in the documents, form may be left out.
+/// its order: get is a member or a function of the struct, meaning stands in the documents, form may be left out. A
+/// list of settings (setting.hpp) has values(object, field) instead, with the value in place of get, and example(),
+/// whose values have the types.
 template <typename Struct>
 struct List;
 template <typename T>
@@ -58,21 +61,11 @@ concept Listed = requires {
   List<T>::kPlace;
 };
 
-/// The words of an enumeration in files, in its order.
-template <typename Enum>
-inline constexpr std::array<std::string_view, 0> kWords{};
 template <typename T>
-concept Worded = std::is_enum_v<T> && !kWords<T>.empty();
-/// How many there are, of an enumeration whose words the library's name() says.
-template <typename Enum>
-inline constexpr std::size_t kNames = 0;
-template <typename T>
-concept Named = std::is_enum_v<T> &&(kNames<T> > 0);
+concept HasValues = requires {
+  List<T>::example();
+};
 
-template <typename T>
-inline constexpr bool is_optional = false;
-template <typename T>
-inline constexpr bool is_optional<std::optional<T>> = true;
 template <typename T>
 inline constexpr bool is_choice = false;
 template <typename... T>
@@ -92,14 +85,22 @@ Json stored(const T& value, const Form& form = {});
 template <typename Struct>
 Json stored_object(const Struct& object) {
   Json json = Json::object();
-  List<Struct>::fields(
-      [&]<typename Get>(std::string_view key, const Get& get, std::string_view /*meaning*/, const Form& form = {}) {
-        const ValueOf<Struct, Get>& value = std::invoke(get, object);
-        if constexpr (is_optional<ValueOf<Struct, Get>>) {
-          if (form.may_lack && !value) return;
-        }
-        json.emplace(std::string(key), stored(value, form));
-      });
+  const auto add = [&]<typename T>(std::string_view key, const T& value, const Form& form) {
+    if constexpr (is_optional<T> || std::same_as<T, double>) {
+      if (form.may_lack && !value) return;
+    }
+    json.emplace(std::string(key), stored(value, form));
+  };
+  if constexpr (HasValues<Struct>) {
+    List<Struct>::values(object, [&](std::string_view key, const auto& value, std::string_view /*meaning*/,
+                                     const Form& form) { add(key, value, form); });
+  } else {
+    List<Struct>::fields(
+        [&]<typename Get>(std::string_view key, const Get& get, std::string_view /*meaning*/, const Form& form = {}) {
+          const ValueOf<Struct, Get>& value = std::invoke(get, object);
+          add(key, value, form);
+        });
+  }
   return json;
 }
 
@@ -108,10 +109,8 @@ template <typename T>
 Json stored(const T& value, const Form& form) {
   if constexpr (Listed<T>) {
     return stored_object(value);
-  } else if constexpr (Worded<T>) {
-    return kWords<T>[static_cast<std::size_t>(value)];
-  } else if constexpr (Named<T>) {
-    return name(value);
+  } else if constexpr (Worded<T> || Named<T>) {
+    return word_of(value);
   } else if constexpr (is_optional<T>) {
     return value ? stored(*value, form) : Json(nullptr);
   } else if constexpr (is_choice<T>) {

@@ -43,13 +43,21 @@ class SchemaFile {
     if (!place.meaning.empty()) schema["description"] = place.meaning;
     schema["type"] = "object";
     Json properties = Json::object(), required = Json::array();
-    List<Struct>::fields(
-        [&]<typename Get>(std::string_view key, const Get& /*get*/, std::string_view meaning, const Form& form = {}) {
-          Json one = of_value<ValueOf<Struct, Get>>(form);
-          if (!meaning.empty()) one["description"] = meaning;
-          properties[std::string(key)] = std::move(one);
-          if (!form.may_lack) required.push_back(key);
-        });
+    const auto add = [&](std::string_view key, Json one, std::string_view meaning, const Form& form) {
+      if (!meaning.empty()) one["description"] = meaning;
+      properties[std::string(key)] = std::move(one);
+      if (!form.may_lack) required.push_back(key);
+    };
+    if constexpr (HasValues<Struct>) {
+      List<Struct>::values(List<Struct>::example(),
+                           [&]<typename T>(std::string_view key, const T& /*value*/, std::string_view meaning,
+                                           const Form& form) { add(key, of_value<T>(form), meaning, form); });
+    } else {
+      List<Struct>::fields(
+          [&]<typename Get>(std::string_view key, const Get& /*get*/, std::string_view meaning, const Form& form = {}) {
+            add(key, of_value<ValueOf<Struct, Get>>(form), meaning, form);
+          });
+    }
     schema["properties"] = std::move(properties);
     schema["required"] = std::move(required);
     if constexpr (requires { List<Struct>::one_of(); }) schema["oneOf"] = List<Struct>::one_of();
@@ -80,12 +88,8 @@ class SchemaFile {
       return {{"const", form.only}};
     } else if constexpr (Listed<T>) {
       return reference<T>();
-    } else if constexpr (Worded<T>) {
-      return {{"enum", kWords<T>}};
-    } else if constexpr (Named<T>) {
-      Json words = Json::array();
-      for (std::size_t k = 0; k < kNames<T>; ++k) words.push_back(name(static_cast<T>(k)));
-      return {{"enum", words}};
+    } else if constexpr (Worded<T> || Named<T>) {
+      return {{"enum", words_of<T>()}};
     } else if constexpr (is_choice<T>) {
       return choice(form, static_cast<const T*>(nullptr));
     } else if constexpr (std::same_as<T, bool>) {
