@@ -278,6 +278,7 @@ def calibrate(
     free: Iterable[str] = (),
     sigma_known: bool = False,
     keep_outliers: bool = False,
+    outlier_chance: float = 0.0001,
 ) -> Calibration:
     """Identifies the geometric errors of a machine from readings of one or several kinds. Releases
     the interpreter lock.
@@ -323,6 +324,7 @@ def calibrate(
         sigma_known: the standard deviations of readings are known: do not correct them by the
             residuals.
         keep_outliers: report outliers, but do not exclude them.
+        outlier_chance: p-value below which the worst reading is an outlier; 0: none is.
 
     Raises InvalidArgument for invalid options or readings, Unreachable for a pose out of reach,
     and InputFileError for measurements of another robot. A doubtful fit raises nothing: see

@@ -226,13 +226,15 @@ struct FitSettings {
                     .heading = kHeading,
                     .flag_sets = false},
             options.exclude_outliers);
+    setting(Setting{.option = "outlier-chance",
+                    .key = "outlier_chance",
+                    .text = "p-value below which the worst reading is an outlier; 0: none is",
+                    .heading = kHeading,
+                    .range = {0.0, 1.0}},
+            options.outlier_chance);
   }
   /// What only callers of the library and other commands set.
   static void recorded(auto& options, auto&& setting) {
-    setting(Setting{.key = "outlier_chance",
-                    .text = "p-value below which the worst reading is an outlier",
-                    .range = {0.0, 1.0}},
-            options.outlier_chance);
     setting(
         Setting{.key = "largest_chance", .text = "largest accepted p-value of the improvement", .range = {0.0, 1.0}},
         options.largest_chance);
