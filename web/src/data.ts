@@ -138,6 +138,7 @@ export interface Calibration {
   robot: Robot;
   controller: CommandingController;
   parameters: Parameter[];
+  identified: number;
   covariance: number[][] | null;
   covariance_of_noise: number[][] | null;
   noise_dof: number | null;

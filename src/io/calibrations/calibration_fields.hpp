@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "estimate_fields.hpp"
 #include "paracal/version.hpp"
 #include "residual_fields.hpp"
@@ -114,6 +116,11 @@ struct List<CalibrationInFile> {
     field("robot", robot, "the nominal robot", Form{.refers = "robot.schema.json"});
     field("controller", controller, "");
     field("parameters", &Of::parameters, "estimated parameters first");
+    const auto identified = [](const Of& in_file) {
+      return std::ranges::count_if(in_file.of.parameters, &ParameterEstimate::identified);
+    };
+    field("identified", identified, "number of parameters with at least half of their information from the readings",
+          kCount);
     field("covariance", &covariance<&Calibration::covariance>,
           "covariance of the parameters that are not fixed, in their order and units; null: not available");
     field("covariance_of_noise", &covariance<&Calibration::noise_covariance>,
