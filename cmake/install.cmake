@@ -37,6 +37,7 @@ if(TARGET paracal-app)
     endif()]] COMPONENT program)
   install(FILES ${manual}/_paracal DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/\${zsh_folder}" COMPONENT program)
   install(DIRECTORY schema/ DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/schema COMPONENT program)
+  install(DIRECTORY build/site/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/paracal/html COMPONENT program OPTIONAL)  # tools/site.sh
   install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/samples COMPONENT program)
   install(FILES data/huang2016/poses.csv data/huang2016/distances.csv data/huang2016/offsets.toml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/paracal/samples COMPONENT program)

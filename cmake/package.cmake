@@ -13,11 +13,14 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(CMAKE_CROSSCOMPILING)  # dpkg knows the libraries of this machine only; tools/package.sh states the dependencies
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
+endif()
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-set(about "paracal says how far off a Delta or a four-limb pick-and-place robot is, which
-dimensions it really has, and which joint angles bring it where you meant:
-tolerance design, calibration with honest uncertainties, compensation.")
+# README's first sentence: what a package manager shows says the same.
+file(STRINGS ${CMAKE_CURRENT_SOURCE_DIR}/README.md about REGEX "^paracal [a-z]" LIMIT_COUNT 1)
 set(CPACK_COMPONENTS_ALL program development)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME paracal)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${about}")
@@ -31,7 +34,9 @@ if(python IN_LIST components)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-paracal)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+  math(EXPR next_python "${PARACAL_PYTHON_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${PARACAL_PYTHON_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION "${about}")
 endif()
 
@@ -39,7 +44,7 @@ if(mpi IN_LIST components)
   list(APPEND CPACK_COMPONENTS_ALL mpi)
   set(CPACK_DEBIAN_MPI_PACKAGE_NAME paracal-mpi)
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "openmpi-bin, paracal")
-  set(CPACK_COMPONENT_MPI_DESCRIPTION "${about}\n.\nThis package has the program for many computers: mpirun -n 64 paracal-mpi yield ...")
+  set(CPACK_COMPONENT_MPI_DESCRIPTION "${about}\n.\nThis package is the program for many computers:\nmpirun -n 64 paracal-mpi yield ...")
 endif()
 
 # What Debian asks of every package: who may use it, what has changed, and, where its checker is not to be believed, why.

@@ -7,11 +7,18 @@ cd "$(dirname "$0")/.."
 tools/package.sh "${1:-release}"
 root=$PWD/build/packages/root
 rm -rf "$root"
-for package in build/packages/*.deb; do dpkg-deb -x "$package" "$root"; done
+here=_$(dpkg --print-architecture).deb
+for package in build/packages/*"$here"; do dpkg-deb -x "$package" "$root"; done
 fail() { echo "check_package: $1" >&2; exit 1; }
 
+first=$(grep -m 1 '^paracal ' README.md)
+for package in build/packages/*"$here"; do
+  said=$(dpkg-deb -f "$package" Description)
+  [[ ${said,,} == "${first:8:-1}"$'\n'" ${first,,}"* ]] || fail "expected the first sentence of README.md as the description of $package, got: $said"
+done
+
 # Each library belongs to a package that the program's package depends on, or that one of those depends on.
-depends=$(dpkg-deb -f build/packages/paracal_*.deb Depends | tr ',' '\n' | sed 's/ *(.*//; s/^ *//')
+depends=$(dpkg-deb -f build/packages/paracal_*"$here" Depends | tr ',' '\n' | sed 's/ *(.*//; s/^ *//')
 all=$(printf '%s\n' "$depends"; for one in $depends; do dpkg-query -W -f='${Depends}\n' "$one"; done | tr ',|' '\n\n' | sed 's/ *(.*//; s/:any//; s/^ *//')
 while read -r library; do
   folder=$(basename "$(dirname "$library")")  # /lib or /usr/lib: packages name either
@@ -26,6 +33,7 @@ mkdir "$work"
 cp -r "$root/usr/share/paracal/samples/." "$work"
 (cd "$work" && paracal demo && paracal calibrate --measurements distances.csv --poses poses.csv) >/dev/null
 for page in paracal paracal-demo paracal-tolerance-allocate; do zcat "$root/usr/share/man/man1/$page.1.gz" | grep -q '^.SH NAME' || fail "expected a page of $page"; done
+[[ -s $root/usr/share/doc/paracal/html/docs-calibration.html ]] || fail "expected the guides"
 [[ -s $root/usr/share/paracal/schema/calibration.schema.json ]] || fail "expected the schema of a calibration"
 bash -c 'source "$1"; complete -p paracal' _ "$root/usr/share/bash-completion/completions/paracal" >/dev/null
 for file in zsh/vendor-completions/_paracal fish/vendor_completions.d/paracal.fish; do [[ -s $root/usr/share/$file ]] || fail "expected $file"; done
@@ -35,10 +43,10 @@ for file in zsh/vendor-completions/_paracal fish/vendor_completions.d/paracal.fi
 import paracal
 calibration = paracal.calibrate(paracal.robot("huang2016"), paracal.read_measurements("measured.csv"))
 assert calibration.accepted, calibration.verdict') || fail "expected a calibration in Python"
-[[ $(dpkg-deb -f build/packages/python3-paracal_*.deb Depends) == *python3-numpy* ]] || fail "expected python3-paracal to depend on python3-numpy"
+[[ $(dpkg-deb -f build/packages/python3-paracal_*"$here" Depends) == *python3-numpy* ]] || fail "expected python3-paracal to depend on python3-numpy"
 
 # The library.
-headers=$(dpkg-deb -f build/packages/libparacal-dev_*.deb Depends)
+headers=$(dpkg-deb -f build/packages/libparacal-dev_*"$here" Depends)
 for needed in libeigen3-dev libfmt-dev libtbb-dev libnlopt-dev libmd-dev libcsv-dev libtomlplusplus-dev nlohmann-json3-dev; do
   [[ $headers == *"$needed"* ]] || fail "expected libparacal-dev to depend on $needed, got: $headers"
 done
