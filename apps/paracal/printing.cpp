@@ -52,6 +52,16 @@ std::size_t add_new(const std::vector<Reading>& more, std::vector<Reading>& all)
   return known;
 }
 
+/// Readings without a height, which show no error of the tower angles and radii by themselves.
+std::string what_lacks(const PrinterOptions& options, const DeltaReadings& readings) {
+  std::string expected = "expected heights of the bed";
+  if (!readings.distances.empty()) expected += " beside the distances";
+  expected += ", got none: ";
+  if (options.printer.firmware == kKlipper) expected += "run DELTA_CALIBRATE and SAVE_CONFIG, or ";
+  const char* how = options.readings.empty() ? "add --readings with" : "add a table with";
+  return fmt::format("{}{} the columns x_mm, y_mm, z_mm (where the nozzle touched the bed)", expected, how);
+}
+
 /// The printer with what its owner read on it besides.
 PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
@@ -73,11 +83,7 @@ PrinterState with_readings(const PrinterOptions& options) {
     printer.files.push_back(std::move(stamp));
   }
   if (printer.readings.heights.empty()) {
-    const char* expected =
-        options.printer.firmware == kKlipper
-            ? "expected heights of the bed, got none: run DELTA_CALIBRATE and SAVE_CONFIG, or add --readings"
-            : "expected heights of the bed, got none: add --readings";
-    throw InputFileError(printer.files.front().name, 0, expected);
+    throw InputFileError(printer.files.front().name, 0, what_lacks(options, printer.readings));
   }
   return printer;
 }

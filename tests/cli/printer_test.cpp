@@ -470,7 +470,8 @@ TEST_F(PrinterCommand, RefusesReadingsThatCannotBe) {
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,-50\n",
           "expected distance_mm of at least 1, got -50");
   refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,0.001\n", "of at least 1, got 0.001");
-  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n", "config.g: expected heights of the bed");
+  refused("from_x_mm,from_y_mm,to_x_mm,to_y_mm,distance_mm\n0,0,50,0,50\n",
+          "config.g: expected heights of the bed beside the distances, got none: add a table with the columns x_mm");
   folder.write("again.csv", folder.read("readings.csv"));
   const ProgramResult twice =
       folder.run("calibrate --printer config.g --firmware marlin --readings readings.csv,again.csv");

@@ -104,11 +104,11 @@ TEST(Dialects, ColumnsAreIgnoredByRequestAlone) {
       "pose;x_mm;Operator;y_mm;z_mm;T \xB0"
       "C\nP1;1;NN;2;3;20,5\n";
   refused(text,
-          "got \"Operator\", \"T \\xB0"
-          "C\" (to ignore these: --ignore-columns \"Operator,T \\xB0"
+          "got \"Operator\", \"T \xC2\xB0"
+          "C\" (to ignore these: --ignore-columns \"Operator,T \xC2\xB0"
           "C\")");
   const TableStyle style{.ignored_columns = {"Operator",
-                                             "T \\xB0"
+                                             "T \xC2\xB0"
                                              "C",
                                              "Humidity"}};
   EXPECT_EQ(read_poses({"p.csv", text, style}).at(0).commanded.position, Eigen::Vector3d(1, 2, 3));

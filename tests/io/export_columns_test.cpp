@@ -145,7 +145,8 @@ TEST(ExportColumns, AmbiguousHeaderRowsSayWhichColumnsToGive) {
 }
 
 TEST(ExportColumns, HeaderRowsThatDoNotSayItAreRefused) {
-  refused("Name,X,Y,Z\nP1,1,2,3\n", "e.txt:1: expected a unit in the header row, as in \"X [mm]\", or --unit");
+  refused("Name,X,Y,Z\nP1,1,2,3\n",
+          "e.txt:1: expected a unit in the header row, as in \"X [mm]\", a line \"Units: mm\" above it, or --unit");
   refused("Name,X [mm],Y [mm],Z\nP1,1,2,3\n",
           "e.txt:1: expected the same unit for \"X [mm]\" and \"Z\", got two units");
   refused("Name,X [mm],Y [mm],Z [mm]\nP1,1,2,3\n", "e.txt:1: expected --unit as in the header row (1 mm), got 25.4 mm",
@@ -160,7 +161,8 @@ TEST(ExportColumns, HeaderRowsThatDoNotSayItAreRefused) {
       "order of the poses with --match order");
   refused("Name,X_mm,X_mm,Y_mm,Z_mm\nP1,1,1,2,3\n",
           "expected one column of x in the header row, got \"X_mm\" (column 2) and \"X_mm\" (column 3)");
-  refused("// Name X Y Z\nP1 1 2 3\n", "e.txt: expected a header row that names x, y and z, got none", {.unit = "mm"});
+  refused("// Name X Y Z\nP1 1 2 3\n",
+          "e.txt: expected a header row that names x, y and z, or from, to and distance_mm, got none", {.unit = "mm"});
   refused<InvalidArgument>("P1 1 2 3\n", "unit: expected mm, m, um or inch, got none",
                            {.columns = "name=1,x=2,y=3,z=4"});
   refused<InvalidArgument>("P1 1 2 3\n", "unit: expected mm, m, um or inch, got \"foot\"",
@@ -245,14 +247,14 @@ TEST(ExportColumns, SeveralPassesByOrderAreRepeats) {
   refused("X_mm;Y_mm;Z_mm\n1;2;3\n4;5;6\n1;2;3\n4;5;6\n7;8;9\n", "got 5; add or remove points", said);
 }
 
-TEST(ExportColumns, BytesOfLatin1AreNoted) {
+TEST(ExportColumns, BytesOfLatin1AreReadWithANote) {
   const Measurements m = exported(
       "Gr\xF6\xDF"
       "e;Name;X_mm;Y_mm;Z_mm\n\xE4;P1;1;2;3\n\xE4;P\xE4;4;5;6\n");
   EXPECT_THAT(m.notes,
-              AllOf(Contains(HasSubstr("; ignored: Gr\\xF6\\xDF"
+              AllOf(Contains(HasSubstr("; ignored: Gr\xC3\xB6\xC3\x9F"
                                        "e")),
-                    Contains(HasSubstr("line 2: bytes")), Contains("line 3: P\\xE4 is not a pose and is ignored")));
+                    Contains(HasSubstr("line 2: bytes")), Contains("line 3: P\xC3\xA4 is not a pose and is ignored")));
 }
 
 TEST(ExportColumns, FilesAreKnownForExports) {

@@ -39,11 +39,12 @@ TEST(Utf8, IsWhatJsonTakes) {
 }
 
 TEST(Utf8, OtherBytesAreEscaped) {
-  EXPECT_EQ(with_other_bytes_escaped("Me\xDFpunkt 1"), "Me\\xDFpunkt 1");
-  EXPECT_EQ(with_other_bytes_escaped("Me\xC3\x9Fpunkt \xE9\xE8"), "Me\xC3\x9Fpunkt \\xE9\\xE8");
+  EXPECT_EQ(with_other_bytes_decoded("Me\xDFpunkt 1"), "Me\xC3\x9Fpunkt 1");
+  EXPECT_EQ(with_other_bytes_decoded("Me\xC3\x9Fpunkt \xE9\xE8"), "Me\xC3\x9Fpunkt \xC3\xA9\xC3\xA8");
+  EXPECT_EQ(with_other_bytes_decoded("5 \x80 \x99 \x81"), "5 \xE2\x82\xAC \xE2\x84\xA2 \\x81");
   EXPECT_TRUE(rc::check("whatever came", [](const std::string& text) {
-    RC_ASSERT(is_utf8(with_other_bytes_escaped(text)));
-    if (is_utf8(text)) RC_ASSERT(with_other_bytes_escaped(text) == text);
+    RC_ASSERT(is_utf8(with_other_bytes_decoded(text)));
+    if (is_utf8(text)) RC_ASSERT(with_other_bytes_decoded(text) == text);
   }));
 }
 
@@ -160,17 +161,17 @@ TEST(Utf16, NoMarkIsNoUtf16) {
   }
 }
 
-TEST(Latin1, NamesAndCommentsGoOnEscaped) {
+TEST(Latin1, NamesAndCommentsAreRead) {
   const std::string poses =
       "# Stra\xDF"
       "e\npose,x_mm,y_mm,z_mm\nMe\xDF 1,0,0,-888\nP2,1,0,-888\n";
-  EXPECT_EQ(read_poses({"p.csv", poses}).at(0).name, "Me\\xDF 1");
-  EXPECT_THAT(streamed_names(poses), ElementsAre("Me\\xDF 1", "P2"));
+  EXPECT_EQ(read_poses({"p.csv", poses}).at(0).name, "Me\xC3\x9F 1");
+  EXPECT_THAT(streamed_names(poses), ElementsAre("Me\xC3\x9F 1", "P2"));
   const Measurements points = read_points({"m.csv",
                                            "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\n"
                                            "P1,0,0,-888,1,2,3\nMe\xDF,0,0,-888,4,5,6\nL\xE4,1,0,-888,7,8,9\n"});
-  EXPECT_EQ(points.stations.at(1).name, "Me\\xDF");
-  const std::string note = "line 3: bytes that are not UTF-8 are shown in names like \\xE9 from here on";
+  EXPECT_EQ(points.stations.at(1).name, "Me\xC3\x9F");
+  const std::string note = "line 3: bytes that are not UTF-8 are read as Windows-1252 (Latin-1) from here on";
   EXPECT_THAT(points.notes, ElementsAre(note));
   const Measurements heights =
       read_lengths({"h.csv", "pose,height_mm\nMe\xDF 1,0.5\nP2,1\nP2,1.1\nP2,1.2\n"}, {"p.csv", poses});
@@ -182,7 +183,7 @@ TEST(Latin1, InANumberItIsNone) {
       [] {
         (void)read_poses({"p.csv", "x_mm,y_mm,z_mm\n1,2\xB0,3\n"});
       },
-      ThrowsMessage<InputFileError>(HasSubstr("p.csv:2: expected a finite number in column y_mm, got \"2\\xB0\"")));
+      ThrowsMessage<InputFileError>(HasSubstr("p.csv:2: expected a finite number in column y_mm, got \"2\xC2\xB0\"")));
 }
 
 }  // namespace

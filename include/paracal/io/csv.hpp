@@ -80,7 +80,7 @@ class CsvTable {
   /// What a column is for.
   enum class Role : std::uint8_t { number, text, ignored };
 
-  std::string escape(int number, std::string_view line);
+  std::string decode(int number, std::string_view line);
   Row row_of(int number, std::string_view line) const;
   std::vector<std::string> columns(bool ignored) const;
   Role role_of(const std::string& column) const;
@@ -95,7 +95,7 @@ class CsvTable {
   char separator_ = ',';
   Row header_{};
   std::vector<Role> roles_ = {};
-  int first_escaped_ = 0;  ///< line; 0: none
+  int first_decoded_ = 0;  ///< line; 0: none
   std::size_t dropped_ = 0;
   std::vector<Row> rows_;
 };

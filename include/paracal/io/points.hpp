@@ -38,8 +38,9 @@ struct ColumnMap {
   std::size_t x = 0, y = 0, z = 0;
   std::optional<std::size_t> sigma = {};  ///< standard deviation of each coordinate, in the unit of the coordinates
   double mm_per_unit = 0.0;
-  int data_after = 0;                   ///< line of a header row: lines up to it are not points
-  bool by_order = false;                ///< points are in the order of the poses, once or in several passes
+  int data_after = 0;             ///< line of a header row: lines up to it are not points
+  bool by_order = false;          ///< points are in the order of the poses, once or in several passes
+  bool is_by_coordinate = false;  ///< one line per coordinate, three per point; the columns are those of the points
   std::vector<std::string> notes = {};  ///< how the columns were found
 };
 
@@ -48,15 +49,18 @@ struct ColumnMap {
 /// @throws InvalidArgument for anything else.
 ColumnMap parse_column_map(std::string_view columns, std::string_view unit);
 
-/// `columns` for "[collection, group,] target, x, y, z": points exported by SpatialAnalyzer without a
+/// `columns` for "[collection, group,] target, x, y, z[, time stamp]": points exported by SpatialAnalyzer without a
 /// header row.
 inline constexpr std::string_view kSpatialAnalyzer = "spatialanalyzer";
 
 /// Finds the columns of a file: by numbers, or by the headings of a header row. That is the first line that names x, y
-/// and z ("X", "x_mm", "Y [mm]", "Measured Z (inch)"; upper or lower case).
+/// and z ("X", "x_mm", "Y [mm]", "Measured Z (inch)"; upper or lower case). Without one, a header row with a name and a
+/// measured value counts if the lines below it have one coordinate each. Comments that name SpatialAnalyzer stand for
+/// kSpatialAnalyzer.
 /// @param columns   as for parse_column_map; the same with headings, "name=Target,x=Measured X"; kSpatialAnalyzer; or
-///                  empty: the headings x, y, z and one of name, point, point name, target, label, pose.
-/// @param unit      as for parse_column_map; empty if the header row states it.
+///                  empty: the headings x, y, z and a name (name, point, target, object, feature, point id, ...).
+/// @param unit      as for parse_column_map; empty if the file states it: in the headings, in a row below or in a line
+///                  above them, or in a column of units.
 /// @param by_order  points need no names.
 /// @throws InvalidArgument for other columns or units. InputFileError for a missing header row, or one that names a
 /// column twice, states several units or another one than `unit`.

@@ -80,8 +80,8 @@ CsvTable::CsvTable(const TextFile& file) : CsvTable(file.name, file.style) {
 
 bool CsvTable::add(int number, std::string_view line) {
   if (is_skipped(line)) return false;
-  std::string escaped;
-  if (!is_utf8(line)) line = escaped = escape(number, line);
+  std::string decoded;
+  if (!is_utf8(line)) line = decoded = decode(number, line);
   refuse_control_characters(name_, number, line);
   if (!has_header()) separator_ = separator_of(name_, number, line);
   Row row = row_of(number, line);
@@ -124,14 +124,14 @@ void CsvTable::look_ahead(int number, std::string_view line) {
   if (!decimals_.is_known() && !is_skipped(line)) look_at(row_of(number, line));
 }
 
-std::string CsvTable::escape(int number, std::string_view line) {
-  if (first_escaped_ == 0) first_escaped_ = number;
-  return with_other_bytes_escaped(line);
+std::string CsvTable::decode(int number, std::string_view line) {
+  if (first_decoded_ == 0) first_decoded_ = number;
+  return with_other_bytes_decoded(line);
 }
 
 std::vector<std::string> CsvTable::notes() const {
   std::vector<std::string> notes;
-  if (first_escaped_ > 0) notes.push_back(note_of_escapes(first_escaped_));
+  if (first_decoded_ > 0) notes.push_back(note_of_decoding(first_decoded_));
   const std::vector<std::string> ignored = columns(true);
   if (!ignored.empty()) notes.push_back(fmt::format("columns ignored, as requested: {}", fmt::join(ignored, ", ")));
   return notes;

@@ -25,6 +25,17 @@ std::size_t length_of_utf8(std::string_view text) {
   return static_cast<std::size_t>(good - text.data());
 }
 
+/// The character of a byte from 0x80 on in Windows-1252; 0: none.
+char32_t of_windows(unsigned char byte) {
+  // Where it differs from Latin-1: 0x80 to 0x9F.
+  constexpr std::array<char16_t, 32> kOwn{0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
+                                          0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
+                                          0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
+                                          0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
+  const std::size_t place = byte - 0x80U;
+  return place < kOwn.size() ? kOwn[place] : byte;
+}
+
 }  // namespace
 
 bool is_utf8(std::string_view text) {
@@ -32,18 +43,22 @@ bool is_utf8(std::string_view text) {
          length_of_utf8(text) == text.size();
 }
 
-std::string with_other_bytes_escaped(std::string_view text) {
-  std::string escaped;
+std::string with_other_bytes_decoded(std::string_view text) {
+  std::string decoded;
   for (std::size_t good = length_of_utf8(text); good < text.size(); good = length_of_utf8(text)) {
-    escaped += text.substr(0, good);
-    escaped += fmt::format("\\x{:02X}", byte_of(text[good]));
+    decoded += text.substr(0, good);
+    if (const char32_t character = of_windows(byte_of(text[good]))) {
+      Utf8::encode(character, std::back_inserter(decoded));
+    } else {
+      decoded += fmt::format("\\x{:02X}", byte_of(text[good]));
+    }
     text.remove_prefix(good + 1);
   }
-  return escaped.append(text);
+  return decoded.append(text);
 }
 
-std::string note_of_escapes(int line) {
-  return fmt::format("line {}: bytes that are not UTF-8 are shown in names like \\xE9 from here on", line);
+std::string note_of_decoding(int line) {
+  return fmt::format("line {}: bytes that are not UTF-8 are read as Windows-1252 (Latin-1) from here on", line);
 }
 
 void Utf16Decoder::add(std::string_view bytes, std::string& text) {

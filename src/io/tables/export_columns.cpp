@@ -9,6 +9,9 @@
 
 #include "columns.hpp"
 #include "export_header.hpp"
+#include "export_rows.hpp"
+#include "export_units.hpp"
+#include "io/files/letters.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
@@ -93,14 +96,15 @@ std::optional<double> unit_of(const TextFile& file, const HeaderRow& row, const 
 }
 
 /// What a careful reader should know of a header row.
-std::string note_of(const HeaderRow& row, const FieldColumns& columns, double mm) {
+std::string note_of(const HeaderRow& row, const FieldColumns& columns, const StatedUnit& unit) {
   std::vector<std::string> taken, passed;
   for (std::size_t k = 0; k < row.fields.size(); ++k) {
     const bool is_taken = std::ranges::find(columns, k + 1) != columns.end();
     if (!row.fields[k].empty()) (is_taken ? taken : passed).push_back(row.fields[k]);
   }
-  std::string text = fmt::format("columns taken from the header row in line {}: {} (unit {} mm)", row.line,
-                                 fmt::join(taken, ", "), mm);
+  std::string text =
+      fmt::format("columns taken from the header row in line {}: {} (unit {} mm{})", row.line, fmt::join(taken, ", "),
+                  unit.mm, unit.where.empty() ? "" : ", stated in " + unit.where);
   if (!passed.empty()) text += fmt::format("; ignored: {}", fmt::join(passed, ", "));
   if (!row.is_first) text += "; the lines above it are ignored";
   return text;
@@ -164,19 +168,29 @@ FieldColumns columns_of(const TextFile& file, const HeaderRow& row, bool by_orde
 
 [[noreturn]] void refuse_head(const TextFile& file) {
   throw InputFileError(file.name, 0,
-                       "expected a header row that names x, y and z, got none: give them with --columns, e.g. "
-                       "name=1,x=2,y=3,z=4, or --columns spatialanalyzer if lines end with target x y z");
+                       "expected a header row that names x, y and z, or from, to and distance_mm, got none: give the "
+                       "columns of points with --columns, e.g. name=1,x=2,y=3,z=4, or --columns spatialanalyzer if "
+                       "lines end with target x y z");
 }
 
-/// The unit, which header row and somebody (0: nobody) must not state differently.
-double unit_of(const TextFile& file, const HeaderRow& row, const std::optional<double>& in_file, double stated) {
-  if (in_file && stated > 0.0 && *in_file != stated) {
-    throw InputFileError(file.name, row.line,
-                         fmt::format("expected --unit as in the header row ({} mm), got {} mm", *in_file, stated));
+/// The unit, which the file and somebody (0: nobody) must not state differently.
+StatedUnit agreed(const TextFile& file, const std::optional<StatedUnit>& in_file, double stated, int line) {
+  if (in_file && stated > 0.0 && in_file->mm != stated) {
+    throw InputFileError(file.name, in_file->line,
+                         fmt::format("expected --unit as in {} ({} mm), got {} mm",
+                                     in_file->where.empty() ? "the header row" : in_file->where, in_file->mm, stated));
   }
-  if (in_file || stated > 0.0) return in_file.value_or(stated);
-  throw InputFileError(file.name, row.line,
-                       "expected a unit in the header row, as in \"X [mm]\", or --unit (mm, m, um or inch), got none");
+  if (in_file) return *in_file;
+  if (stated > 0.0) return {stated, line, line, {}};
+  throw InputFileError(file.name, line,
+                       "expected a unit in the header row, as in \"X [mm]\", a line \"Units: mm\" above it, or --unit "
+                       "(mm, m, um or inch), got none");
+}
+
+StatedUnit unit_of(const TextFile& file, const HeaderRow& row, const FieldColumns& columns, double stated) {
+  if (const auto mm = unit_of(file, row, columns))
+    return agreed(file, StatedUnit{*mm, row.line, row.line, {}}, stated, row.line);
+  return agreed(file, stated_unit(file, row, columns), stated, row.line);
 }
 
 ColumnMap headed(const TextFile& file, const Places& wanted, double stated, bool by_order) {
@@ -184,22 +198,39 @@ ColumnMap headed(const TextFile& file, const Places& wanted, double stated, bool
   if (!row) refuse_head(file);
   const FieldColumns columns = columns_of(file, *row, by_order);
   check_others(file, *row, columns, wanted);
+  const StatedUnit unit = unit_of(file, *row, columns, stated);
   ColumnMap map = map_of(columns);
-  map.mm_per_unit = unit_of(file, *row, unit_of(file, *row, columns), stated);
-  map.data_after = row->line;
+  map.mm_per_unit = unit.mm;
+  map.data_after = unit.data_after;
   map.by_order = by_order;
-  map.notes = {note_of(*row, columns, map.mm_per_unit)};
+  map.notes = {note_of(*row, columns, unit)};
   return map;
 }
 
-/// [[collection] group] target x y z.
-ColumnMap spatial_analyzer(const TextFile& file, bool by_order) {
+/// One line per coordinate.
+std::optional<ColumnMap> of_coordinate_rows(const TextFile& file, double stated, bool by_order) {
+  const std::optional<TextFile> joined = joined_coordinates(file);
+  if (!joined) return std::nullopt;
+  ColumnMap map = headed(*joined, Places(), stated, by_order);
+  map.is_by_coordinate = true;
+  map.notes.insert(map.notes.begin(), "each line has one coordinate: three lines are a point");
+  return map;
+}
+
+/// Number of fields up to the last number: words behind the coordinates are time stamps and comments.
+std::size_t count_to_last_number(const std::vector<std::string>& fields) {
+  const auto last = std::find_if(fields.rbegin(), fields.rend(), [](const std::string& f) { return may_be_number(f); });
+  return static_cast<std::size_t>(fields.rend() - last);
+}
+
+/// [[collection] group] target x y z [time stamp].
+ColumnMap spatial_analyzer(const TextFile& file, double stated, bool by_order) {
   constexpr std::size_t kFewest = 4, kMost = 6, kCoordinates = 3;
   int number = 0;
   for (const std::string_view line : lines_of(file.text)) {
     ++number;
     if (is_export_comment(line)) continue;
-    const std::size_t count = export_fields(line, file.style.decimal_comma).size();
+    const std::size_t count = count_to_last_number(export_fields(line, file.style.decimal_comma));
     if (count < kFewest || count > kMost) {
       throw InputFileError(file.name, number,
                            fmt::format("expected [[collection] group] target x y z, got {} fields: choose columns with "
@@ -207,13 +238,34 @@ ColumnMap spatial_analyzer(const TextFile& file, bool by_order) {
                                        count));
     }
     const std::size_t name = count - kCoordinates;
-    return {.name = name, .x = name + 1, .y = name + 2, .z = name + 3, .by_order = by_order};
+    ColumnMap map{.name = name, .x = name + 1, .y = name + 2, .z = name + 3, .by_order = by_order};
+    if (const auto unit = unit_above(file, 0)) {
+      map.mm_per_unit = agreed(file, unit, stated, number).mm;
+      map.notes = {fmt::format("the unit, {} mm, is stated in {}", unit->mm, unit->where)};
+    }
+    return map;
   }
   throw InputFileError(file.name, 0, "expected at least one line with a point, got none");
 }
 
+/// Lines before the first that is no comment.
+std::string comments_above(const TextFile& file) {
+  std::string text;
+  for (const std::string_view line : lines_of(file.text)) {
+    if (!is_export_comment(line)) break;
+    text.append(line).append("\n");
+  }
+  return text;
+}
+
 ColumnMap found_by(const TextFile& file, std::string_view columns, double stated, bool by_order) {
-  if (columns == kSpatialAnalyzer) return spatial_analyzer(file, by_order);
+  const bool says_so = columns.empty() && lower_case(comments_above(file)).find(kSpatialAnalyzer) != std::string::npos;
+  if (columns == kSpatialAnalyzer || (says_so && !has_export_header(file))) {
+    return spatial_analyzer(file, stated, by_order);
+  }
+  if (columns.empty() && !find_header(file, Places())) {
+    if (auto map = of_coordinate_rows(file, stated, by_order)) return *map;
+  }
   const Places places = columns.empty() ? Places() : places_in(columns);
   const auto numbers = std::ranges::count_if(places, is_number);
   const auto given = std::ranges::count_if(places, [](const std::string& place) { return !place.empty(); });
@@ -238,7 +290,9 @@ ColumnMap find_columns(const TextFile& file, std::string_view columns, std::stri
   return map;
 }
 
-bool has_export_header(const TextFile& file) { return find_header(file, Places()).has_value(); }
+bool has_export_header(const TextFile& file) {
+  return find_header(file, Places()).has_value() || joined_coordinates(file).has_value();
+}
 
 void check_map(const ColumnMap& map) {
   const FieldColumns places = field_columns(map);

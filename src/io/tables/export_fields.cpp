@@ -18,7 +18,8 @@ std::string text_of(const FieldColumns& places) {
 
 bool is_export_comment(std::string_view line) {
   const std::size_t start = line.find_first_not_of(" \t");
-  return start == std::string_view::npos || line.substr(start).starts_with("//") || line[start] == '#';
+  if (start == std::string_view::npos || line.substr(start).starts_with("//") || line[start] == '#') return true;
+  return line.find_first_not_of("-=_+|*;, \t") == std::string_view::npos;
 }
 
 namespace {

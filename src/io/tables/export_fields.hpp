@@ -22,7 +22,7 @@ std::string text_of(const FieldColumns& places);
 /// @throws InvalidArgument where something is missing or stands twice.
 void check_map(const ColumnMap& map);
 
-/// Empty, or one that begins with // or #.
+/// One that begins with // or #, and one without letters and digits: empty, a ruled line, nothing but separators.
 bool is_export_comment(std::string_view line);
 
 /// A line's fields, without quotation marks and blanks around them. Tabs, semicolons, commas or blanks separate them:

@@ -25,16 +25,12 @@ constexpr std::array<LengthUnit, 12> kOtherUnits{{{"in", 25.4},
                                                   {"metre", 1000.0},
                                                   {"metres", 1000.0}}};
 
-std::optional<double> unit_named(std::string_view name) {
-  for (const auto& units : {std::span<const LengthUnit>(kLengthUnits), std::span<const LengthUnit>(kOtherUnits)}) {
-    for (const LengthUnit& unit : units) {
-      if (unit.name == name) return unit.mm;
-    }
-  }
-  return std::nullopt;
-}
+constexpr std::array<std::string_view, 11> kMeasuredWords{
+    "measured", "meas", "actual", "act", "ist", "istwert", "messwert", "gemessen", "mesur\u00E9", "medido", "misurato"};
 
-constexpr std::array<std::string_view, 4> kMeasuredWords{"measured", "meas", "actual", "act"};
+/// What they say besides of a coordinate.
+constexpr std::array<std::string_view, 7> kEmptyWords{"wert",       "value",           "coord",   "coordinate",
+                                                      "koordinate", "coordonn\u00E9e", "position"};
 
 /// Says what the word of a heading means.
 Heading with_meaning(Heading heading) {
@@ -47,10 +43,36 @@ Heading with_meaning(Heading heading) {
     rest.remove_prefix(word.size());
     if (std::ranges::find(kMeasuredWords, word) != kMeasuredWords.end()) {
       heading.is_measured = true;
-    } else {
+    } else if (std::ranges::find(kEmptyWords, word) == kEmptyWords.end()) {
       heading.meaning.append(heading.meaning.empty() ? "" : " ").append(word);
     }
   }
+}
+
+/// Headings of the column of names. The first group of which a header row has any counts: an object may be of a
+/// feature, and a running number is a name only where nothing else is.
+constexpr std::array<std::string_view, 15> kNames{
+    "name",      "point", "point name", "pointname", "target",       "target name",  "label",         "pose",
+    "pose name", "punkt", "punktname",  "messpunkt", "nom du point", "nombre punto", "nome del punto"};
+constexpr std::array<std::string_view, 16> kObjects{
+    "object",  "object name",  "object id",  "point id", "pointid", "pt id",       "target id", "point label",
+    "feature", "feature name", "feature id", "punkt id", "merkmal", "bezeichnung", "element",   "element name"};
+constexpr std::array<std::string_view, 12> kNumbers{
+    "id", "no", "nr", "number", "point no", "point nr", "point number", "punktnr", "punkt nr", "pt", "pnt", "#"};
+
+bool is_name(const Heading& heading, std::span<const std::string_view> words) {
+  return std::ranges::find(words, heading.meaning) != words.end();
+}
+
+}  // namespace
+
+std::optional<double> unit_named(std::string_view name) {
+  for (const auto& units : {std::span<const LengthUnit>(kLengthUnits), std::span<const LengthUnit>(kOtherUnits)}) {
+    for (const LengthUnit& unit : units) {
+      if (unit.name == name) return unit.mm;
+    }
+  }
+  return std::nullopt;
 }
 
 Heading heading_of(std::string_view field) {
@@ -65,28 +87,40 @@ Heading heading_of(std::string_view field) {
   return with_meaning({whole, mm ? std::string(trimmed(text.substr(0, at))) : whole, mm});
 }
 
-constexpr std::array<std::string_view, 9> kNameWords{"name",        "point", "point name", "pointname", "target",
-                                                     "target name", "label", "pose",       "pose name"};
+std::vector<std::size_t> name_columns(const std::vector<Heading>& headings) {
+  std::vector<std::size_t> columns;
+  for (const auto& words : {std::span<const std::string_view>(kNames), std::span<const std::string_view>(kObjects),
+                            std::span<const std::string_view>(kNumbers)}) {
+    for (std::size_t k = 0; k < headings.size(); ++k) {
+      if (is_name(headings[k], words)) columns.push_back(k + 1);
+    }
+    if (!columns.empty()) break;
+  }
+  return columns;
+}
+
+namespace {
 
 bool is_wanted(const Heading& heading, std::size_t field, const Places& wanted) {
   if (!wanted[field].empty()) {
     const std::string asked = lower_case(wanted[field]);
     return heading.whole == asked || heading.word == asked;
   }
-  if (kExportFields[field] != "name") return heading.meaning == kExportFields[field];
-  return std::ranges::find(kNameWords, heading.meaning) != kNameWords.end();
+  return kExportFields[field] != "name" && heading.meaning == kExportFields[field];
 }
 
 /// @param wanted  headings; where one is empty, the field's own word.
 HeaderRow header_row(int line, std::string_view text, const TextFile& file, const Places& wanted) {
-  HeaderRow row{line, export_fields(with_other_bytes_escaped(text), file.style.decimal_comma), {}, {}, true};
-  for (const std::string& field : row.fields) row.headings.push_back(heading_of(field));
+  HeaderRow row{line, export_fields(with_other_bytes_decoded(text), file.style.decimal_comma), {}, {}, true};
+  for (const std::string& field : row.fields) {
+    row.headings.push_back(is_ignored(file, field) ? Heading() : heading_of(field));
+  }
   for (std::size_t k = 0; k < row.headings.size(); ++k) {
     for (std::size_t field = 0; field < kExportFields.size(); ++field) {
-      if (is_wanted(row.headings[k], field, wanted) && !is_ignored(file, row.fields[k]))
-        row.columns[field].push_back(k + 1);
+      if (is_wanted(row.headings[k], field, wanted)) row.columns[field].push_back(k + 1);
     }
   }
+  if (wanted[0].empty()) row.columns[0] = name_columns(row.headings);
   return row;
 }
 

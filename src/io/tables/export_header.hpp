@@ -21,6 +21,10 @@ inline constexpr std::array<LengthUnit, 4> kLengthUnits{{{"mm", 1.0}, {"m", 1000
 /// What somebody says of each field: a number from 1, a heading, or nothing.
 using Places = std::array<std::string, kExportFields.size()>;
 
+/// As header rows and the lines above them name it.
+/// @param name  in lower case.
+std::optional<double> unit_named(std::string_view name);
+
 /// "X [mm]", "X (mm)", "X_mm", "X mm" as x and 1 mm; so are "Measured X [mm]", "X Actual (mm)" and "Meas_X_mm".
 struct Heading {
   std::string whole;  ///< in lower case, as the word
@@ -38,6 +42,12 @@ struct HeaderRow {
   std::array<std::vector<std::size_t>, kExportFields.size()> columns;  ///< from 1
   bool is_first = true;                                                ///< but for comments
 };
+
+/// What a heading says of its column.
+Heading heading_of(std::string_view field);
+
+/// The column of names, from 1, by the words of header rows: all columns that have the likeliest of these words.
+std::vector<std::size_t> name_columns(const std::vector<Heading>& headings);
 
 /// The first line that names x, y and z.
 /// @param wanted  headings; where one is empty, the field's own word.

@@ -14,14 +14,19 @@
 namespace paracal::io {
 namespace {
 
-/// Numbers under such words are for people: what was to be measured, how far the point is from it, when and how often.
-constexpr std::array<std::string_view, 50> kForPeople{
-    "nominal",   "nom",         "nomi",     "design",    "theoretical", "reference", "ref",     "target", "dev",
-    "deviation", "deviations",  "error",    "err",       "diff",        "dx",        "dy",      "dz",     "d3d",
-    "rms",       "residual",    "tol",      "tolerance", "no",          "nr",        "num",     "number", "index",
-    "idx",       "id",          "row",      "line",      "count",       "samples",   "n",       "#",      "date",
-    "time",      "timestamp",   "datum",    "zeit",      "hour",        "day",       "comment", "remark", "note",
-    "temp",      "temperature", "pressure", "humidity",  "status"};
+/// Numbers under such words are for people: what was to be measured, how far the point is from it, when and how often,
+/// the same point as the instrument saw it, the direction of a probed surface.
+constexpr std::array<std::string_view, 74> kForPeople{
+    "nominal",    "nom",       "nomi",       "design",    "theoretical", "reference", "ref",         "target",
+    "dev",        "deviation", "deviations", "error",     "err",         "diff",      "dx",          "dy",
+    "dz",         "d3d",       "rms",        "residual",  "tol",         "tolerance", "no",          "nr",
+    "num",        "number",    "index",      "idx",       "id",          "row",       "line",        "count",
+    "samples",    "n",         "#",          "date",      "time",        "timestamp", "datum",       "zeit",
+    "hour",       "day",       "comment",    "remark",    "note",        "temp",      "temperature", "pressure",
+    "humidity",   "status",    "azimuth",    "elevation", "range",       "distance",  "snr",         "quality",
+    "intensity",  "frame",     "markers",    "marker",    "i",           "j",         "k",           "normal",
+    "upper",      "lower",     "uppertol",   "lowertol",  "soll",        "sollwert",  "abweichung",  "\u00E9cart",
+    "\u00C9cart", "ecart"};
 
 bool is_for_people(const Heading& heading) {
   return std::ranges::any_of(split(heading.meaning, ' '), [](std::string_view word) {
@@ -34,7 +39,7 @@ bool has_number(const TextFile& file, int header_line, std::size_t column) {
   int number = 0;
   for (const std::string_view line : lines_of(file.text)) {
     if (++number <= header_line || is_export_comment(line)) continue;
-    const std::vector<std::string> fields = export_fields(with_other_bytes_escaped(line), file.style.decimal_comma);
+    const std::vector<std::string> fields = export_fields(with_other_bytes_decoded(line), file.style.decimal_comma);
     if (column < fields.size() && !fields[column].empty() && may_be_number(fields[column])) return true;
   }
   return false;

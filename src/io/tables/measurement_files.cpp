@@ -94,7 +94,9 @@ TableKind kind_of_table(const TextFile& file, bool has_poses) {
   if (length_kind_in(header)) return TableKind::lengths;
   if (header.starts_with("//")) return TableKind::exported;
   if ((has_poses || !has("x_mm")) && !is_ours(header) && has_export_header(file)) return TableKind::exported;
-  return has("x_mm") || (!has_poses && !has("distance_mm")) ? TableKind::points : TableKind::distances;
+  if (has("x_mm")) return TableKind::points;
+  if (has_poses) return is_ours(header) ? TableKind::distances : TableKind::exported;  // which says what it expects
+  return has("distance_mm") ? TableKind::distances : TableKind::points;
 }
 
 std::vector<std::string> used_before(const std::vector<InputFile>& inputs, const Measurements& measurements,

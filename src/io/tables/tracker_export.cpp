@@ -7,6 +7,7 @@
 
 #include "columns.hpp"
 #include "export_fields.hpp"
+#include "export_rows.hpp"
 #include "io/files/utf8.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/decimal_sign.hpp"
@@ -43,7 +44,7 @@ class ExportReader {
     if (last_of_head_ > 0) {
       series.note(fmt::format("lines up to {} have no coordinates and are ignored", last_of_head_));
     }
-    if (first_escaped_ > 0) series.note(note_of_escapes(first_escaped_));
+    if (first_decoded_ > 0) series.note(note_of_decoding(first_decoded_));
   }
 
  private:
@@ -66,8 +67,8 @@ class ExportReader {
   }
 
   std::vector<std::string> fields_of(std::string_view line) {
-    std::string escaped;
-    if (!is_utf8(line)) line = escaped = escape(line);
+    std::string decoded;
+    if (!is_utf8(line)) line = decoded = decode(line);
     if (std::ranges::count(line, '"') % 2 != 0) {
       fail("expected closed quotation marks around a field, got an open one");
     }
@@ -101,9 +102,9 @@ class ExportReader {
     return point;
   }
 
-  std::string escape(std::string_view line) {
-    if (first_escaped_ == 0) first_escaped_ = line_;
-    return with_other_bytes_escaped(line);
+  std::string decode(std::string_view line) {
+    if (first_decoded_ == 0) first_decoded_ = line_;
+    return with_other_bytes_decoded(line);
   }
 
   void check_count(std::size_t count) {
@@ -140,7 +141,7 @@ class ExportReader {
   FieldColumns places_;
   DecimalSign decimals_;
   int line_ = 0;
-  int first_escaped_ = 0;  ///< line; 0: none
+  int first_decoded_ = 0;  ///< line; 0: none
   int last_of_head_ = 0;   ///< likewise
   int first_line_ = 0;     ///< of data
   std::size_t count_ = 0;  ///< of its fields
@@ -193,13 +194,20 @@ void add_by_order(SeriesBuilder& series, const std::string& file, const std::vec
   }
 }
 
+/// "P1" of "A::Home::P1": collection, group and target as one name.
+std::string_view last_part(std::string_view name) {
+  const std::size_t at = name.rfind("::");
+  return at == std::string_view::npos ? name : name.substr(at + 2);
+}
+
 void add_by_name(SeriesBuilder& series, const std::string& file, const std::vector<ExportedPoint>& points,
                  const std::vector<Station>& poses) {
   std::unordered_map<std::string_view, std::size_t> places;
   for (std::size_t k = 0; k < poses.size(); ++k) places.try_emplace(poses[k].name, k);
   std::vector<bool> is_measured(poses.size());
   for (const ExportedPoint& point : points) {
-    const auto place = places.find(point.name);
+    auto place = places.find(point.name);
+    if (place == places.end()) place = places.find(last_part(point.name));
     if (place == places.end()) {
       series.note(point.line, fmt::format("{} is not a pose and is ignored", point.name));
       continue;
@@ -224,7 +232,8 @@ void add_by_name(SeriesBuilder& series, const std::string& file, const std::vect
 Measurements read_tracker_export(const TextFile& file, const ColumnMap& columns, const std::vector<Station>& poses,
                                  const JointSpace& joints) {
   check_map(columns);
-  ExportReader reader(file, columns);
+  const std::optional<TextFile> joined = columns.is_by_coordinate ? joined_coordinates(file) : std::nullopt;
+  ExportReader reader(joined ? *joined : file, columns);
   const std::vector<ExportedPoint> points = reader.points();
   SeriesBuilder series(file, joints.reach);
   reader.add_notes(series);
