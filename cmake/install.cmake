@@ -22,9 +22,9 @@ if(TARGET paracal-app)
     install(FILES ${CMAKE_CURRENT_BINARY_DIR}/paracal-mpi.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT mpi)
   endif()
   set(manual ${CMAKE_CURRENT_BINARY_DIR}/manual)
-  add_custom_command(OUTPUT ${manual}/made
+  add_custom_command(OUTPUT ${manual}/made WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}  # a relative name below: qemu reads / as that of arm64
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual} COMMAND ${CMAKE_COMMAND} -E make_directory ${manual}
-    COMMAND paracal-app manual ${manual} COMMAND gzip -9n ${manual}/*.1 COMMAND ${CMAKE_COMMAND} -E touch ${manual}/made
+    COMMAND paracal-app manual manual COMMAND gzip -9n ${manual}/*.1 COMMAND ${CMAKE_COMMAND} -E touch ${manual}/made
     DEPENDS paracal-app)
   add_custom_target(paracal-manual ALL DEPENDS ${manual}/made)
   install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program FILES_MATCHING PATTERN *.1.gz)

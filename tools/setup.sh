@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs what is missing: setup.sh [run|python|package|test|disks|live|comparison|cortex|site]. These are the Debian packages of packages.txt of the group and the
-# groups above it (comparison, cortex and site: only their own), and for test and live the npm packages of web/package-lock.json. It is quick when there is nothing to do.
+# Installs what is missing: setup.sh [run|python|package|test|disks|live|comparison|cortex|site|release]. These are the Debian packages of packages.txt of the group and the
+# groups above it (comparison, cortex, site and release: only their own), and for test and live the npm packages of web/package-lock.json. It is quick when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 group=${1:-test}
-grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test, disks, live, comparison, cortex or site, got $group" >&2; exit 2; }
-mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/ && (done || last !~ /comparison|cortex|site/)' packages.txt)
+grep -qx "\[$group\]" packages.txt || { echo "setup: expected run, python, package, test, disks, live, comparison, cortex, site or release, got $group" >&2; exit 2; }
+mapfile -t wanted < <(awk -v last="[$group]" '/^\[/ { if (done) exit; done = $0 == last; next } /^[^#]/ && (done || last !~ /comparison|cortex|site|release/)' packages.txt)
 missing=()
 for package in "${wanted[@]}"; do
   [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] && continue
