@@ -95,7 +95,20 @@ for document in "${documents[@]}"; do
   done
 done
 
+# The first commands of README.md, in an empty folder one after the other; they print what README.md shows behind them, "..." aside.
+first_commands() {
+  local commands shown line said
+  commands=$(awk '/^    paracal / { begun = 1 } begun && !/^    / { exit } begun' "$root/README.md")
+  shown=$(awk '/^    paracal / { begun = 1 } begun && /^```/ { if (inside) exit; inside = 1; next } inside' "$root/README.md")
+  mkdir "$scratch/empty"
+  said=$(cd "$scratch/empty" && bash -ec "$commands") || { echo "README.md: the first commands failed in an empty folder"; return 1; }
+  while IFS= read -r line; do
+    [[ $said == *"${line%...}"* ]] || { echo "README.md: the first commands do not print: $line"; return 1; }
+  done <<<"$shown"
+}
+
 if ((all)); then
+  first_commands || failures=$((failures + 1))
   for k in "${!patterns[@]}"; do
     ((met[k])) || { echo "not_run.txt: no document has a command like ${patterns[k]}"; failures=$((failures + 1)); }
   done
