@@ -76,10 +76,10 @@ if [[ -n $write ]]; then
 fi
 awk '
   FNR == NR { if (!/^#/) figure[$1] = $2; next }
-  !($1 in figure) { printf "%-32s %14d  no figure: run tools/costs.sh PRESET --write\n", $1, $2; failed = 1; next }
+  !($1 in figure) { printf "%-32s %14.0f  no figure: run tools/costs.sh PRESET --write\n", $1, $2; failed = 1; next }
   {
     ratio = $2 / figure[$1]
-    printf "%-32s %14d  %.3f times the figure%s\n", $1, $2, ratio, (ratio > 1.1 ? ": TOO MANY" : ratio < 0.9 ? ": fewer; store it with --write" : "")
+    printf "%-32s %14.0f  %.3f times the figure%s\n", $1, $2, ratio, (ratio > 1.1 ? ": TOO MANY" : ratio < 0.9 ? ": fewer; store it with --write" : "")
     if (ratio > 1.1) failed = 1
   }
   END { exit failed }' "$figures" found.txt || {

@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <array>
+#include <type_traits>
 
 namespace paracal::detail {
 namespace {
@@ -14,6 +16,34 @@ Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> complete(const Eigen::Ma
   if (threshold) decomposition.setThreshold(*threshold);
   decomposition.compute(A);
   return decomposition;
+}
+
+/// to += sum_k factors[k] columns[k], of so many rows: one pass, which loads and stores a sum once.
+template <int Columns>
+void add_multiples(const double* first, Eigen::Index stride, const double* factors, Eigen::Index rows,
+                   double* __restrict__ to) {
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    double sum = to[i];
+    for (int k = 0; k < Columns; ++k) sum += factors[k] * first[k * stride + i];
+    to[i] = sum;
+  }
+}
+
+/// to += sum_k factor(k) from.col(k), over length(k) rows from `row` on, which do not become fewer. Most columns go
+/// together.
+template <typename Factor, typename Length>
+void add_columns(const Eigen::MatrixXd& from, Eigen::Index first, Eigen::Index end, Eigen::Index row, Factor&& factor,
+                 Length&& length, double* to) {
+  std::array<double, 8> factors{};
+  const auto add = [&]<int Columns>(std::integral_constant<int, Columns>) {
+    for (; first + Columns <= end; first += Columns) {
+      for (int k = 0; k < Columns; ++k) factors[static_cast<std::size_t>(k)] = factor(first + k);
+      add_multiples<Columns>(&from(row, first), from.rows(), factors.data(), length(first + Columns - 1), to);
+    }
+  };
+  add(std::integral_constant<int, 8>());
+  add(std::integral_constant<int, 4>());
+  add(std::integral_constant<int, 1>());
 }
 
 }  // namespace
@@ -71,10 +101,17 @@ Eigen::MatrixXd cholesky_solution(const Eigen::MatrixXd& M, const Eigen::MatrixX
   return Eigen::LLT<Eigen::MatrixXd>(M).solve(B);
 }
 
-Cholesky::Cholesky(const Eigen::MatrixXd& M) {
-  const Eigen::LLT<Eigen::MatrixXd> root(M);
-  ok_ = root.info() == Eigen::Success;
-  lower_ = root.matrixLLT();
+// Eigen's LLT and its triangles have blocks of eight: of 60 rows these take twice as many instructions as whole
+// columns.
+Cholesky::Cholesky(const Eigen::MatrixXd& M) : lower_(M), ok_(true) {
+  const Eigen::Index n = M.rows();
+  for (Eigen::Index k = 0; ok_ && k < n; ++k) {
+    const auto factor = [&](Eigen::Index before) { return -lower_(k, before); };
+    add_columns(
+        lower_, 0, k, k, factor, [&](Eigen::Index) { return n - k; }, &lower_(k, k));
+    ok_ = lower_(k, k) > 0.0;
+    lower_.col(k).tail(n - k) /= std::sqrt(lower_(k, k));
+  }
 }
 
 Eigen::MatrixXd Cholesky::solve(Eigen::MatrixXd B) const {
@@ -88,11 +125,23 @@ Eigen::MatrixXd Cholesky::forward(Eigen::MatrixXd B) const {
   return B;
 }
 
+/// U = L^-T column by column, then U U^T: upper triangles, of which the zeros take no work.
 Eigen::MatrixXd Cholesky::inverse() const {
   const Eigen::Index n = lower_.rows();
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);
-  add_square(inverse, forward(Eigen::MatrixXd::Identity(n, n)).transpose());
-  complete_from_lower(inverse);
+  Eigen::MatrixXd U = Eigen::MatrixXd::Zero(n, n), inverse = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double pivot = 1.0 / lower_(k, k);
+    const auto factor = [&](Eigen::Index before) { return -pivot * lower_(k, before); };
+    add_columns(
+        U, 0, k, 0, factor, [](Eigen::Index before) { return before + 1; }, &U(0, k));
+    U(k, k) = pivot;
+  }
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto factor = [&](Eigen::Index from) { return U(k, from); };
+    add_columns(
+        U, k, n, 0, factor, [&](Eigen::Index) { return k + 1; }, &inverse(0, k));
+  }
+  inverse.triangularView<Eigen::StrictlyLower>() = inverse.transpose();
   return inverse;
 }
 

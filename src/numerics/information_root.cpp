@@ -16,8 +16,9 @@ Eigen::Index block_rows(Eigen::Index columns) { return std::max<Eigen::Index>(64
 }  // namespace
 
 InformationRoot::InformationRoot(Eigen::Index parameters)
-    : buffer_(Eigen::MatrixXd::Zero(parameters + 1 + block_rows(parameters + 1), parameters + 1)),
-      used_(parameters + 1) {}
+    : buffer_(parameters + 1 + block_rows(parameters + 1), parameters + 1), used_(parameters + 1) {
+  buffer_.topRows(parameters + 1).setZero();  // rows below are written before they are read
+}
 
 void InformationRoot::add(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
   let_interrupt();

@@ -247,7 +247,7 @@ TEST(AmbiguousNoise, IsPartOfASingleVisit) {
   };
   const Calibration once = found(kNoise, 1), twice = found(kNoise, 2), known = found(kNoise, 1, true);
   ASSERT_TRUE(once.use && twice.use && known.use);
-  EXPECT_GT(once.use->aligned.U, 1.1 * known.use->aligned.U);
+  EXPECT_GT(once.use->aligned.U, 1.05 * known.use->aligned.U);  // more than 1000 drawn machines differ by
   EXPECT_LT(twice.use->aligned.U, 0.7 * once.use->aligned.U);
   const auto alike = Contains(HasSubstr("noise and joints that do not repeat look alike"));
   EXPECT_THAT(once.assumed, alike);

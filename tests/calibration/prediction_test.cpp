@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "calibration/fit/largest_errors.hpp"
+#include "numerics/distributions.hpp"
 #include "paracal/calibration/plan.hpp"
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
@@ -203,6 +205,59 @@ TEST(KnownErrorsByHand, StudentWidensTheNoisesPartAlone) {
   // At one visit a joint that stands elsewhere is one whose zero lies elsewhere.
   EXPECT_NEAR(known.pose_covariance()(0, 0), widened + 0.25, 2e-3);
   EXPECT_EQ(known.pose_covariance()(1, 1), 9.0);
+}
+
+constexpr double kDrawn = 0.04;  // of a quantile that 1000 machines tell
+
+/// Poses that depend on a number of their own, each of a machine, with this standard deviation.
+detail::PoseQuantity independent(Eigen::Index coordinates, const Eigen::VectorXd& std) {
+  const Eigen::Index rows = coordinates * std.size();
+  detail::PoseQuantity quantity{coordinates, Eigen::MatrixXd::Zero(rows, rows), Eigen::MatrixXd::Zero(rows, 1), {}};
+  for (Eigen::Index row = 0; row < rows; ++row) quantity.by_errors(row, row) = std(row / coordinates);
+  return quantity;
+}
+
+double largest(const detail::PoseQuantity& quantity, const Eigen::VectorXd& joint_std = {}) {
+  return detail::DrawnMachines(quantity.by_errors.cols(), quantity.by_joints.cols()).largest(quantity, {joint_std})[0];
+}
+
+/// |z| that one of so many does not exceed with 95 %.
+double of_many(double count) { return detail::normal_quantile(0.5 * (1.0 + std::pow(0.95, 1.0 / count))); }
+
+/// All that are as uncertain as the first count: also those behind the poses that are drawn together.
+TEST(LargestErrors, OfManyEqualPoses) {
+  EXPECT_NEAR(largest(independent(1, Eigen::VectorXd::Constant(60, 0.5))), 0.5 * of_many(60.0),
+              kDrawn * 0.5 * of_many(60.0));
+}
+
+TEST(LargestErrors, OfOnePoseAmongManySmallOnes) {
+  Eigen::VectorXd std = Eigen::VectorXd::Constant(60, 0.2);
+  std(41) = 1.0;
+  EXPECT_NEAR(largest(independent(1, std)), 1.96, kDrawn * 1.96);
+}
+
+TEST(LargestErrors, OfThreeCoordinatesIsTheirLength) {
+  const double length = std::sqrt(detail::chi_square_quantile(1.0 - std::pow(0.95, 1.0 / 40.0), 3.0));
+  EXPECT_NEAR(largest(independent(3, Eigen::VectorXd::Constant(40, 0.3))), 0.3 * length, kDrawn * 0.3 * length);
+}
+
+/// Joints are off anew at each pose, and at home.
+TEST(LargestErrors, OfJointsAtEachPoseAndAtHome) {
+  detail::PoseQuantity quantity = independent(1, Eigen::VectorXd::Zero(60));
+  quantity.by_joints.setConstant(2.0);
+  EXPECT_NEAR(largest(quantity, Eigen::VectorXd::Constant(1, 0.5)), of_many(60.0), kDrawn * of_many(60.0));
+  quantity.by_joints.setZero();
+  quantity.by_home = Eigen::MatrixXd::Constant(60, 1, 2.0);
+  EXPECT_NEAR(largest(quantity, Eigen::VectorXd::Constant(1, 0.5)), 1.96, kDrawn * 1.96);
+}
+
+/// The same machines for every size of joints: what joints add makes no machine better.
+TEST(LargestErrors, OfSeveralSizesOfJointsAreOfTheSameMachines) {
+  detail::PoseQuantity quantity = independent(1, Eigen::VectorXd::Constant(60, 0.5));
+  quantity.by_joints.setConstant(1e-9);
+  const auto both = detail::DrawnMachines(60, 1).largest(
+      quantity, {Eigen::VectorXd::Constant(1, 1.0), Eigen::VectorXd::Constant(1, 2.0)});
+  EXPECT_NEAR(both[0], both[1], 1e-7);
 }
 
 }  // namespace

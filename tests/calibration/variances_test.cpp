@@ -105,7 +105,7 @@ class TableOfReadings : public Variances {
     const Eigen::Index n = linear.by_errors.cols();
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
     for (const detail::VarianceTerm& one : table.terms()) {
-      if (!one.places.empty()) all(one.places, one.places) += variance(one.what) * one.root * one.root.transpose();
+      if (!one.places.empty()) all(one.places, one.places) += variance(one.what) * one.covariance;
     }
     return all;
   }

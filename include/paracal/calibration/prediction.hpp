@@ -139,22 +139,13 @@ class PoseSpread {
   std::vector<PoseStd> each(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& joint_std = {}) const;
   /// What 95 % of the machines with these uncertainties nowhere exceed, from drawn machines; limits are left open. The
   /// same numbers for the same arguments.
-  UseOfVisits worst(const KnownErrors& known) const;
-  /// The same of the first of the parameters alone, with the covariance of their tolerances.
-  Use worst_of_tolerances(const Eigen::MatrixXd& covariance) const;
+  /// @param tolerances  as of use_over_workspace().
+  UseOfVisits worst(const KnownErrors& known, const Eigen::MatrixXd& tolerances = {}) const;
   /// B with tr(B C) = mean over the poses of the variance of the aligned position and of `lever` x rotation, mm^2.
   Eigen::MatrixXd mean_square(double lever) const;
 
  private:
-  struct Spread {
-    Eigen::MatrixXd distances, aligned, rotations;  ///< a column a machine
-  };
-  /// With joints that are off at each pose.
-  Use worst_of(Spread machines, const Eigen::VectorXd& joint_std) const;
   Eigen::Index turn_rows() const { return rotation_joint_.rows() / (position_joint_.rows() / 3); }
-
-  /// Machines drawn with errors of this covariance, of the first of the parameters.
-  Spread drawn(const Eigen::MatrixXd& covariance) const;
 
   // Rows of every pose but home: distance to home, aligned x, y, z, rotation relative to home: one of phi, or three of
   // a plate on struts, about x, y, z of {O}.

@@ -39,8 +39,10 @@ bool is_far_from_nominal(const ParameterEstimate& parameter) {
 }
 
 /// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
-/// machine. Visits that do not repeat are none of what was written wrong.
-bool is_strange(const Component& component) { return component.told && component.cause != Cause::visits; }
+/// machine. Visits that do not repeat are none of what was written wrong, and a pose that was is known and left out.
+bool is_strange(const Component& component) {
+  return component.told && component.cause != Cause::visits && component.cause != Cause::pose;
+}
 
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
   return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||

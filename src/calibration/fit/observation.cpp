@@ -113,6 +113,15 @@ void Observation::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& r
   }
 }
 
+Eigen::MatrixXd Observation::prior_root() const {
+  if (common_prior_.size() > 0) return common_prior_;
+  Eigen::VectorXd root = Eigen::VectorXd::Zero(source_count());
+  for (Eigen::Index k = 0; k < root.size(); ++k) {
+    if (const auto& std = sought_[static_cast<std::size_t>(k)].prior_std) root(k) = 1.0 / *std;
+  }
+  return root.asDiagonal();
+}
+
 void Observation::add_groups() {
   std::size_t count = 0;
   for (const auto& series : series_) {

@@ -59,6 +59,8 @@ class Observation {
   void widen_priors(const Eigen::VectorXd& factors);
   /// diag(prior^2) with what common errors correlate.
   Eigen::MatrixXd prior_covariance() const;
+  /// W, W^T W the inverse of it: nothing of errors without a prior.
+  Eigen::MatrixXd prior_root() const;
   /// Derivatives at the nominal machine whatever the unknowns: the paper's chord method.
   void keep_nominal_derivative();
 

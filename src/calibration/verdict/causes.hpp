@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "facts.hpp"
-#include "variance_posterior.hpp"
+#include "calibration/variances/facts.hpp"
+#include "calibration/variances/variance_posterior.hpp"
 
 namespace paracal::detail {
 

@@ -228,7 +228,7 @@ bool state_evidence(const Measurements& measurements, const StageFit& fit,
   calibration.readings = observation.groups().size();
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
   if (everything || !has_priors(observation)) state_rank(measurements, observation, answer, calibration);
-  const Spread spread = state_uncertainty(measurements, fit, scatter, calibration);
+  const Spread spread = state_uncertainty(measurements, fit, scatter, everything || !explanation, calibration);
   if (explanation && calibration.covariance.size() > 0) take(*explanation, all_stated(observation), calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
   add_parameters(fit, held, calibration);

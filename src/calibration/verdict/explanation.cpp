@@ -172,7 +172,7 @@ class Explainer {
     double squares = 0.0;
     for (const Spreads what : kinds) {
       for (const std::size_t term : table.terms_of(what)) {
-        squares += std::pow(std(term), 2) * table.terms()[term].readings.trace();
+        squares += std::pow(std(term), 2) * table.terms()[term].trace();
       }
     }
     return reading_noise(fit_.observation()) * std::sqrt(squares / static_cast<double>(table.readings().y.size()));

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibration/fit/stage_fit.hpp"
-#include "variance_posterior.hpp"
+#include "calibration/variances/variance_posterior.hpp"
 
 namespace paracal::detail {
 

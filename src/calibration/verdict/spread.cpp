@@ -21,13 +21,6 @@ bool leaves_open(const StageFit& fit) {
   return !all && analyse(fit.fit().at_answer.root(), kNothing).rank < fit.observation().unknown_count();
 }
 
-/// R_p with P = R_p^T R_p, the information of the priors.
-Eigen::MatrixXd prior_root(const StageFit& fit) {
-  InformationRoot priors(fit.observation().unknown_count());
-  fit.observation().add_priors(fit.fit().parameters, priors);
-  return priors.root();
-}
-
 /// C = (J^T V^-1 J + P)^-1 has the noise's part C J^T V^-1 J C, a product with the root of the readings alone: nothing,
 /// and no rounding, of what only a prior says.
 Eigen::MatrixXd noise_part(const StageFit& fit, const Eigen::MatrixXd& covariance) {
@@ -89,13 +82,12 @@ double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& s
     return static_cast<double>(rows - observation.nuisance_count()) - scatter.redundancy;
   }
   const Eigen::Index n = observation.source_count();
-  const Eigen::MatrixXd priors = prior_root(fit);
-  return static_cast<double>(n) -
-         product(product(priors, fit.covariance()), priors.transpose()).bottomRightCorner(n, n).trace();
+  const Eigen::MatrixXd priors = observation.prior_root(), covariance = fit.covariance().bottomRightCorner(n, n);
+  return static_cast<double>(n) - product(priors, covariance).cwiseProduct(priors).sum();
 }
 
 Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                         Calibration& calibration) {
+                         bool tells_noise, Calibration& calibration) {
   const Observation& observation = fit.observation();
   // Of the sigmas as they were stated, whatever the fit then made of them.
   const double stated = all_stated(observation) ? std::pow(observation.components().stated_noise, 2) : 1.0;
@@ -106,9 +98,11 @@ Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, 
   if (leaves_open(fit)) return {};
   const Eigen::Index n = observation.source_count();
   Spread all{fit.covariance()};
-  all.noise = noise_part(fit, all.covariance);
   calibration.covariance = all.covariance.bottomRightCorner(n, n);
-  calibration.noise_covariance = all.noise.bottomRightCorner(n, n);
+  if (tells_noise) {
+    all.noise = noise_part(fit, all.covariance);
+    calibration.noise_covariance = all.noise.bottomRightCorner(n, n);
+  }
   calibration.noise_dof = noise_freedom(fit, scatter_of_fit);
   return all;
 }

@@ -31,8 +31,9 @@ bool is_determined(const StageFit& fit, const Calibration& calibration);
 double found_parameters(const StageFit& fit, Eigen::Index rows, const Scatter& scatter);
 
 /// Scatter and covariance. With priors the covariance is the posterior's.
+/// @param tells_noise  the part of the noise is wanted, too.
 Spread state_uncertainty(const Measurements& measurements, const StageFit& fit, const Scatter& scatter_of_fit,
-                         Calibration& calibration);
+                         bool tells_noise, Calibration& calibration);
 
 /// Takes the uncertainties of an explanation for those of the fit.
 /// @param stated  every reading states its standard deviation: the table tells by how much that is too small.

@@ -13,6 +13,7 @@ namespace {
 
 struct Sample {
   Eigen::VectorXd u;
+  VarianceTable::At at;
   double weight = 0.0;
 };
 
@@ -30,9 +31,9 @@ std::vector<Sample> samples_about(const WeighedTable& one) {
   for (int pair = 0; pair < kPairs; ++pair) {
     const Eigen::VectorXd z = Eigen::VectorXd::NullaryExpr(root.cols(), [&] { return random.normal(); });
     for (const double side : {1.0, -1.0}) {
-      Sample sample{one.mode.u + side * product(root, z)};
-      const double cost = one.table.at(sample.u, false).cost;
-      sample.weight = 0.5 * z.squaredNorm() - (cost + one.mode.log_density);  // its logarithm as yet
+      const Eigen::VectorXd u = one.mode.u + side * product(root, z);
+      Sample sample{u, one.table.at(u, false), 0.5 * z.squaredNorm() - one.mode.log_density};
+      sample.weight -= sample.at.cost;  // its logarithm as yet
       if (std::isfinite(sample.weight)) samples.push_back(std::move(sample));
     }
   }
@@ -81,7 +82,7 @@ class WhitenedReadings {
   WhitenedReadings(const VarianceTable& table, const Eigen::VectorXd& u)
       : readings_(table.readings()), L_(table.root_of_errors(u)), N_root_(cholesky(table.covariance_beside_errors(u))) {
     Eigen::MatrixXd all(readings_.y.size(), readings_.by_set_up.cols() + L_.cols());
-    all << readings_.by_set_up, table.by_root_of_errors(u);
+    all << readings_.by_set_up, product(readings_.by_errors, L_);
     rows_ = whitened(all);
   }
 
@@ -97,11 +98,7 @@ class WhitenedReadings {
 
   /// Root of the part of the noise in the covariance of the errors of parts.
   Eigen::MatrixXd noise_root(const VarianceTable& table, const Eigen::VectorXd& u) const {
-    Eigen::VectorXd noise = Eigen::VectorXd::Zero(readings_.y.size());
-    for (std::size_t k = 0; k < table.terms().size() && table.terms()[k].what <= Spreads::orientation_noise; ++k) {
-      noise += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * table.terms()[k].readings.diagonal();
-    }
-    const Eigen::MatrixXd of_noise = whitened(noise.cwiseSqrt().asDiagonal());
+    const Eigen::MatrixXd of_noise = whitened(table.noise_variances(u).cwiseSqrt().asDiagonal());
     return errors().gain(product(rows_.transpose(), of_noise)).topRows(readings_.prior.rows());
   }
 
@@ -126,6 +123,107 @@ Eigen::MatrixXd within(Eigen::MatrixXd part, const Eigen::MatrixXd& all) {
   }
   return part;
 }
+
+/// The covariance of readings V = N + X D X^T, of which errors are by far the most, tells errors as the small
+/// difference D - D X^T V^-1 X D: of readings that are exact to the last digit it tells nothing.
+bool keeps_digits(const VarianceTable& table, const Eigen::VectorXd& u) {
+  constexpr double kMost = 1e8;  // of X D X^T over N: eight digits of a covariance are left
+  double of_errors = 0.0;
+  for (const auto& [term, std] : table.error_terms(u)) of_errors += std * std * term->trace();
+  return of_errors < kMost * table.noise_variances(u).minCoeff();
+}
+
+/// Sums over samples of the variances, each with its weight.
+class Averages {
+ public:
+  explicit Averages(const LinearReadings& readings)
+      : errors_(readings.by_errors.cols()),
+        all_{.errors = Eigen::VectorXd::Zero(errors_), .covariance = Eigen::MatrixXd::Zero(errors_, errors_)} {
+    all_.noise = Eigen::MatrixXd::Zero(readings.prior.rows(), readings.prior.rows());
+  }
+
+  /// Errors x = sum_g x_g, x_g ~ N(0, s_g^2 D_g), given readings y = S a + X x + noise, P = V^-1 but for the set-up:
+  ///
+  ///   mean  sum_g s_g^2 (X D_g)^T P y,   covariance  sum_gh delta_gh s_g^2 D_g - s_g^2 (X D_g)^T P (X D_h) s_h^2.
+  ///
+  /// Only s and P differ from sample to sample, so that a sum of multiples of P is all that a pair of groups needs.
+  void add_by_covariance(const VarianceTable& table, const std::vector<Sample>& samples) {
+    const std::size_t groups = table.error_terms(samples.front().u).size();
+    for (std::size_t g = 0; g < groups; ++g) {
+      for (std::size_t h = 0; h <= g; ++h) add_pair(table, samples, g, h);
+    }
+    for (const Sample& sample : samples) add_mean(sample, gain(table, sample.u, sample.at.z));
+    const Sample& best = *std::ranges::max_element(samples, {}, &Sample::weight);
+    const Eigen::VectorXd noise = table.noise_variances(best.u).cwiseSqrt();
+    add_noise(samples, gain(table, best.u, best.at.P * noise.asDiagonal()).topRows(all_.noise.rows()));
+  }
+
+  /// The same by the information of each sample.
+  void add_by_information(const VarianceTable& table, const std::vector<Sample>& samples) {
+    for (const Sample& sample : samples) {
+      const ErrorsGivenReadings errors = WhitenedReadings(table, sample.u).errors();
+      add_mean(sample, errors.mean());
+      all_.covariance += product(sample.weight * errors.root(), errors.root().transpose());
+    }
+    const Eigen::VectorXd& best = std::ranges::max_element(samples, {}, &Sample::weight)->u;
+    add_noise(samples, WhitenedReadings(table, best).noise_root(table, best));
+  }
+
+  VariancePosterior posterior() && {
+    for (const auto& [weight, mean] : means_) all_.errors += weight * mean;
+    Eigen::MatrixXd off(errors_, std::ssize(means_));
+    for (Eigen::Index k = 0; k < off.cols(); ++k) {
+      const auto& [weight, mean] = means_[static_cast<std::size_t>(k)];
+      off.col(k) = std::sqrt(weight) * (mean - all_.errors);
+    }
+    add_square(all_.covariance, off);
+    complete_from_lower(all_.covariance);
+    const Eigen::Index n = all_.noise.rows();
+    all_.noise = within(std::move(all_.noise), all_.covariance.topLeftCorner(n, n));
+    return std::move(all_);
+  }
+
+ private:
+  void add_pair(const VarianceTable& table, const std::vector<Sample>& samples, std::size_t g, std::size_t h) {
+    double before = 0.0;
+    Eigen::MatrixXd P = Eigen::MatrixXd::Zero(samples.front().at.P.rows(), samples.front().at.P.cols());
+    for (const Sample& sample : samples) {
+      const auto terms = table.error_terms(sample.u);
+      const double s = terms[g].second * terms[h].second;
+      before += sample.weight * s;
+      P += sample.weight * s * s * sample.at.P;
+    }
+    const auto terms = table.error_terms(samples.front().u);
+    const VarianceTerm &one = *terms[g].first, &other = *terms[h].first;
+    Eigen::MatrixXd errors = product(-one.with_readings.transpose(), product(P, other.with_readings));
+    if (g == h) errors += before * one.covariance;
+    all_.covariance(one.places, other.places) += errors;
+    if (g != h) all_.covariance(other.places, one.places) += errors.transpose();
+  }
+
+  /// What readings, multiplied by P, do to the means of the errors.
+  Eigen::MatrixXd gain(const VarianceTable& table, const Eigen::VectorXd& u, const Eigen::MatrixXd& readings) const {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(errors_, readings.cols());
+    for (const auto& [term, std] : table.error_terms(u)) {
+      all(term->places, Eigen::all) += std * std * product(term->with_readings.transpose(), readings);
+    }
+    return all;
+  }
+
+  void add_mean(const Sample& sample, Eigen::VectorXd mean) {
+    means_.emplace_back(sample.weight, std::move(mean));
+    all_.points.push_back({sample.u, sample.weight});
+  }
+  void add_noise(const std::vector<Sample>& samples, const Eigen::MatrixXd& root) {
+    double probability = 0.0;
+    for (const Sample& sample : samples) probability += sample.weight;
+    all_.noise += product(probability * root, root.transpose());
+  }
+
+  Eigen::Index errors_;
+  VariancePosterior all_;
+  std::vector<std::pair<double, Eigen::VectorXd>> means_;
+};
 
 }  // namespace
 
@@ -161,30 +259,16 @@ double VariancePosterior::probability_above(const std::vector<std::size_t>& term
 
 VariancePosterior averaged(const std::vector<WeighedTable>& tables) {
   const LinearReadings& readings = tables.front().table.readings();
-  const Eigen::Index all = readings.by_errors.cols(), n = readings.prior.rows();
-  VariancePosterior posterior{.errors = Eigen::VectorXd::Zero(all),
-                              .covariance = Eigen::MatrixXd::Zero(all, all),
-                              .noise = Eigen::MatrixXd::Zero(n, n)};
-  std::vector<std::pair<double, Eigen::VectorXd>> means;
+  Averages all(readings);
   for (const WeighedTable& one : tables) {
     const std::vector<Sample> samples = samples_about(one);
-    for (const Sample& sample : samples) {
-      const ErrorsGivenReadings errors = WhitenedReadings(one.table, sample.u).errors();
-      means.emplace_back(sample.weight, errors.mean());
-      posterior.errors += sample.weight * errors.mean();
-      add_square(posterior.covariance, errors.root(), sample.weight);
-      posterior.points.push_back({sample.u, sample.weight});
+    if (keeps_digits(one.table, one.mode.u)) {
+      all.add_by_covariance(one.table, samples);
+    } else {
+      all.add_by_information(one.table, samples);
     }
-    const Eigen::VectorXd& best = std::ranges::max_element(samples, {}, &Sample::weight)->u;
-    const Eigen::MatrixXd noise = WhitenedReadings(one.table, best).noise_root(one.table, best);
-    posterior.noise += product(one.probability * noise, noise.transpose());
   }
-  for (const auto& [weight, mean] : means) {
-    add_square(posterior.covariance, mean - posterior.errors, weight);
-  }
-  complete_from_lower(posterior.covariance);
-  posterior.noise = within(std::move(posterior.noise), posterior.covariance.topLeftCorner(n, n));
-  return posterior;
+  return std::move(all).posterior();
 }
 
 VariancePosterior of_all(const StageFit& fit, const ReadingPlaces& places, const DriveSplines& drives,

@@ -3,36 +3,15 @@
 // Private to calibration: every variance of the readings, estimated together.
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "linear_readings.hpp"
+#include "numerics/dense.hpp"
+#include "variance_terms.hpp"
 
 namespace paracal::detail {
-
-/// What a variance of the table is of.
-enum class Spreads : std::uint8_t {
-  noise,              ///< of a series, that nobody stated
-  stated_noise,       ///< over what was stated
-  orientation_noise,  ///< likewise, of its angles
-  visits,             ///< of a joint, or of all alike, at each visit
-  poses,              ///< likewise, at each pose
-  drives,             ///< along each joint
-  positions,          ///< of parts that move the plate, over their tolerances
-  tilts,              ///< of parts that tilt it
-};
-
-/// One variance: what a variance of 1 adds to the covariance of the readings.
-struct VarianceTerm {
-  Spreads what;
-  Eigen::Index joint = -1;             ///< of visits and poses; -1: all joints alike; of noise: the series
-  Eigen::MatrixXd readings{};          ///< K
-  std::vector<Eigen::Index> places{};  ///< of the errors that this variance is of; none: of the readings alone
-  Eigen::MatrixXd root{};              ///< L, their covariance is L L^T
-  Eigen::MatrixXd by_root{};           ///< X L, so that K = X L (X L)^T
-};
 
 /// A single fact that may be otherwise than stated: errors far outside their tolerances, or a pose that was not what
 /// was commanded.
@@ -62,11 +41,15 @@ class VarianceTable {
 
   /// V of one block by itself: readings that share a pose share how far its joints are off; here each has its own.
   Eigen::MatrixXd covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const;
-  /// N(u): V without the errors, which is what noise, visits and poses add.
+  /// N(u): V without the errors, which is what noise, visits and poses add. Its lower triangle alone.
   Eigen::MatrixXd covariance_beside_errors(const Eigen::VectorXd& u) const;
-  /// L(u) and X L(u): all errors are L t with t ~ N(0, I) before any reading.
+  /// L(u): all errors are L t with t ~ N(0, I) before any reading.
   Eigen::MatrixXd root_of_errors(const Eigen::VectorXd& u) const;
-  Eigen::MatrixXd by_root_of_errors(const Eigen::VectorXd& u) const;
+
+  /// Terms of errors with their standard deviations; last what a fact adds, which no variance scales.
+  std::vector<std::pair<const VarianceTerm*, double>> error_terms(const Eigen::VectorXd& u) const;
+  /// Variances of the noise of each reading.
+  Eigen::VectorXd noise_variances(const Eigen::VectorXd& u) const;
 
   struct At {
     double cost = 0.0;               ///< minus the logarithm of the posterior density of u, but for a constant
@@ -102,15 +85,17 @@ class VarianceTable {
     std::vector<std::size_t> noise;                               ///< term of each row
   };
   void add_noise();
-  void add_joints(Spreads what, bool at_visits);
+  void add_joints(Spreads what);
   void add_errors(const StageFit& fit, const DriveSplines& drives);
   VarianceTerm term_of_errors(Spreads what, std::vector<Eigen::Index> places, const Eigen::MatrixXd& covariance) const;
   void list_visits();
   std::size_t term_of(Spreads what, Eigen::Index joint = -1) const;
   /// Term of the noise of each row of a block.
   std::vector<std::size_t> noise_of(const ReadingBlock& block) const;
-  /// Terms of errors with their standard deviations; last what a fact adds, which no variance scales.
-  std::vector<std::pair<const VarianceTerm*, double>> error_terms(const Eigen::VectorXd& u) const;
+  Cholesky root_of_covariance(const Eigen::VectorXd& variances) const;
+  /// Takes the set-up out of P = V^-1, with its cost; false where the readings leave the set-up open.
+  bool take_up_set_up(const Cholesky& root, At& at) const;
+  void add_slopes(const Eigen::VectorXd& variances, At& at) const;
   void add_prior(const Eigen::VectorXd& u, At& at) const;
   void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
   std::vector<Eigen::VectorXd> starts() const;
@@ -121,8 +106,7 @@ class VarianceTable {
   double noise_mm_;     ///< with which readings entered
   double least_noise_;  ///< of that: what no instrument is below
   std::vector<VarianceTerm> terms_;
-  Eigen::MatrixXd fixed_;  ///< what a fact adds to the covariance of the readings; empty: nothing
-  VarianceTerm fixed_errors_{Spreads::positions};
+  std::optional<VarianceTerm> fixed_;  ///< what a fact adds, of variance 1
   std::vector<Visits> visits_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "paracal/calibration/plan.hpp"
@@ -103,6 +104,35 @@ LinearReadings linear_readings(const StageFit& fit, const ReadingPlaces& places,
   all.set_up_reach = known.reachable().head(set_up);
   all.joint_per_mm = 1.0 / std::sqrt(square_by_joints(fit));
   return all;
+}
+
+void ByJoints::add(Eigen::Index first, const Eigen::MatrixXd& more) {
+  for (Eigen::Index row = 0; row < more.rows(); ++row) rows.push_back(first + row);
+  by_joint.conservativeResize(by_joint.rows() + more.rows(), more.cols());
+  by_joint.bottomRows(more.rows()) = more;
+}
+
+std::vector<ByJoints> by_visits(const LinearReadings& all) {
+  std::vector<ByJoints> visits;
+  for (std::size_t k = 0; k < all.blocks.size(); ++k) {
+    const ReadingBlock& one = all.blocks[k];
+    for (const Eigen::MatrixXd* by : {&one.by_joint, &one.by_from_joint}) {
+      if (by->size() > 0) visits.emplace_back().add(all.first[k], *by / std::sqrt(one.visits));
+    }
+  }
+  return visits;
+}
+
+std::vector<ByJoints> by_poses(const LinearReadings& all) {
+  std::map<std::size_t, ByJoints> poses;
+  for (std::size_t k = 0; k < all.blocks.size(); ++k) {
+    const ReadingBlock& one = all.blocks[k];
+    poses[one.station].add(all.first[k], one.by_joint);
+    if (one.by_from_joint.size() > 0) poses[one.from].add(all.first[k], one.by_from_joint);
+  }
+  std::vector<ByJoints> list;
+  for (auto& [pose, one] : poses) list.push_back(std::move(one));
+  return list;
 }
 
 }  // namespace paracal::detail

@@ -47,4 +47,17 @@ Eigen::MatrixXd by_drives(const ReadingBlock& block, const std::vector<Joints>& 
 LinearReadings linear_readings(const StageFit& fit, const ReadingPlaces& places, std::size_t stride,
                                const DriveSplines& drives);
 
+/// What the joints do to some of the readings.
+struct ByJoints {
+  std::vector<Eigen::Index> rows;
+  Eigen::MatrixXd by_joint;  ///< a row of each of these
+
+  void add(Eigen::Index first, const Eigen::MatrixXd& more);
+};
+
+/// At each visit by itself, as their mean.
+std::vector<ByJoints> by_visits(const LinearReadings& all);
+/// At each pose that is read here: of very many poses these are few.
+std::vector<ByJoints> by_poses(const LinearReadings& all);
+
 }  // namespace paracal::detail

@@ -6,6 +6,7 @@
 
 #include "numerics/dense.hpp"
 #include "numerics/square_root.hpp"
+#include "variance_priors.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -13,56 +14,6 @@ namespace {
 constexpr double kNothing = 1e-9;  // mm or rad: far below what an instrument resolves
 
 Eigen::Index rows_of(const ReadingBlock& block) { return block.by_joint.rows(); }
-
-/// What each joint does to the readings of one pose, a column a pose that is read here: of very many poses these are
-/// few.
-Eigen::MatrixXd by_poses(const LinearReadings& all, Eigen::Index joint) {
-  std::vector<std::size_t> poses;
-  for (const ReadingBlock& one : all.blocks) {
-    poses.push_back(one.station);
-    if (one.by_from_joint.size() > 0) poses.push_back(one.from);
-  }
-  std::ranges::sort(poses);
-  poses.erase(std::unique(poses.begin(), poses.end()), poses.end());
-  const auto column_of = [&](std::size_t pose) { return std::ranges::lower_bound(poses, pose) - poses.begin(); };
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.y.size(), std::ssize(poses));
-  for (std::size_t k = 0; k < all.blocks.size(); ++k) {
-    const ReadingBlock& one = all.blocks[k];
-    const Eigen::Index first = all.first[k], count = rows_of(one);
-    columns.col(column_of(one.station)).segment(first, count) += one.by_joint.col(joint);
-    if (one.by_from_joint.size() == 0) continue;
-    columns.col(column_of(one.from)).segment(first, count) += one.by_from_joint.col(joint);
-  }
-  return columns;
-}
-
-/// d^2 / d u^2 and d / d u of -log of the half-Cauchy density of exp(u), with the Jacobian of the logarithm.
-struct Slope {
-  double cost = 0.0, slope = 0.0, curvature = 0.0;
-};
-Slope half_cauchy(double u, double scale) {
-  const double square = std::exp(2.0 * (u - std::log(scale)));
-  return {std::log1p(square) - u, 2.0 * square / (1.0 + square) - 1.0, 4.0 * square / std::pow(1.0 + square, 2)};
-}
-Slope normal(double u, double std) { return {0.5 * u * u / (std * std), u / (std * std), 1.0 / (std * std)}; }
-
-/// What was stated is so, or larger: by a factor whose logarithm is exponentially distributed, rounded at zero. Never
-/// less. Of one peak, unlike a heavier tail: what readings hardly tell stays as it was stated.
-Slope as_stated(double u, double mean) {
-  constexpr double kBelow = 0.02, kRound = 0.1;
-  const double bend = kRound * kRound / mean;
-  if (u < bend) return normal(u, u < 0.0 ? kBelow : kRound);
-  return {(u - 0.5 * bend) / mean, 1.0 / mean, 0.0};
-}
-
-/// Noise that nobody stated, but not below what no instrument is.
-Slope any_noise(double u, double least) {
-  constexpr double kAny = 3.0, kBelow = 0.1;  // a factor of 20 either way surprises nobody
-  Slope slope = normal(u, kAny);
-  if (u >= least) return slope;
-  const Slope below = normal(u - least, kBelow);
-  return {slope.cost + below.cost, slope.slope + below.slope, slope.curvature + below.curvature};
-}
 
 }  // namespace
 
@@ -73,8 +24,8 @@ VarianceTable::VarianceTable(const StageFit& fit, const LinearReadings& readings
       noise_mm_(reading_noise(fit.observation())),
       least_noise_(0.01 / fit.observation().components().unstated_noise) {  // of what was expected of it
   add_noise();
-  add_joints(Spreads::visits, true);
-  add_joints(Spreads::poses, false);
+  add_joints(Spreads::visits);
+  add_joints(Spreads::poses);
   add_errors(fit, drives);
   list_visits();
 }
@@ -107,7 +58,7 @@ void VarianceTable::add_noise() {
   const Eigen::Index count = readings_->y.size();
   const auto add = [&](Spreads what, Eigen::Index series) {
     if (term_of(what, series) < terms_.size()) return;
-    terms_.push_back({what, series, Eigen::MatrixXd::Zero(count, count)});
+    terms_.push_back({what, series, Eigen::VectorXd::Zero(count)});
   };
   for (const ReadingBlock& one : readings_->blocks) {
     const auto series = static_cast<Eigen::Index>(one.series);
@@ -118,43 +69,30 @@ void VarianceTable::add_noise() {
     const std::vector<std::size_t> noise = noise_of(readings_->blocks[k]);
     for (std::size_t row = 0; row < noise.size(); ++row) {
       const Eigen::Index at = readings_->first[k] + static_cast<Eigen::Index>(row);
-      terms_[noise[row]].readings(at, at) = 1.0 / readings_->blocks[k].visits;
+      terms_[noise[row]].diagonal(at) = 1.0 / readings_->blocks[k].visits;
     }
   }
 }
 
-void VarianceTable::add_joints(Spreads what, bool at_visits) {
-  const Eigen::Index joints = readings_->blocks.front().by_joint.cols(), count = readings_->y.size();
-  const double unit = readings_->joint_per_mm * readings_->joint_per_mm;
-  for (Eigen::Index joint = 0; joint < joints; ++joint) {
-    VarianceTerm term{what, joint, Eigen::MatrixXd::Zero(count, count)};
-    if (!at_visits) {
-      const Eigen::MatrixXd poses = by_poses(*readings_, joint);
-      term.readings = product(unit * poses, poses.transpose());
-    }
-    for (std::size_t k = 0; at_visits && k < readings_->blocks.size(); ++k) {
-      const ReadingBlock& one = readings_->blocks[k];
-      const Eigen::Index first = readings_->first[k], rows = rows_of(one);
-      auto own = term.readings.block(first, first, rows, rows);
-      own = unit / one.visits * one.by_joint.col(joint) * one.by_joint.col(joint).transpose();
-      if (one.by_from_joint.size() == 0) continue;
-      own += unit / one.visits * one.by_from_joint.col(joint) * one.by_from_joint.col(joint).transpose();
-    }
+void VarianceTable::add_joints(Spreads what) {
+  const std::vector<ByJoints> all = what == Spreads::visits ? by_visits(*readings_) : by_poses(*readings_);
+  VarianceTerm alike{what};
+  for (Eigen::Index joint = 0; joint < readings_->blocks.front().by_joint.cols(); ++joint) {
+    VarianceTerm term{what, joint};
+    for (const ByJoints& one : all) term.columns.add(one.rows, readings_->joint_per_mm * one.by_joint.col(joint));
+    alike.columns.append(term.columns);
     terms_.push_back(std::move(term));
-  }
-  VarianceTerm alike{what, -1, Eigen::MatrixXd::Zero(count, count)};
-  for (std::size_t k = terms_.size() - static_cast<std::size_t>(joints); k < terms_.size(); ++k) {
-    alike.readings += terms_[k].readings;
   }
   terms_.push_back(std::move(alike));
 }
 
 VarianceTerm VarianceTable::term_of_errors(Spreads what, std::vector<Eigen::Index> places,
                                            const Eigen::MatrixXd& covariance) const {
-  Eigen::MatrixXd root = square_root(covariance);
-  Eigen::MatrixXd by_root = product(readings_->by_errors(Eigen::all, places), root);
-  Eigen::MatrixXd readings = product(by_root, by_root.transpose());
-  return {what, -1, std::move(readings), std::move(places), std::move(root), std::move(by_root)};
+  VarianceTerm term{.what = what, .places = std::move(places), .covariance = covariance};
+  const Eigen::MatrixXd rows = readings_->by_errors(Eigen::all, term.places);
+  term.with_readings = product(rows, covariance);
+  term.by_errors = product(term.with_readings, rows.transpose());
+  return term;
 }
 
 void VarianceTable::add_errors(const StageFit& fit, const DriveSplines& drives) {
@@ -207,10 +145,18 @@ Eigen::MatrixXd VarianceTable::covariance_of(const ReadingBlock& block, const Ei
 
 Eigen::MatrixXd VarianceTable::covariance_beside_errors(const Eigen::VectorXd& u) const {
   const Eigen::Index count = readings_->y.size();
-  const bool of_pose = fixed_.size() > 0 && fixed_errors_.places.empty();
-  Eigen::MatrixXd all = of_pose ? fixed_ : Eigen::MatrixXd(Eigen::MatrixXd::Zero(count, count));
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(count, count);
+  if (fixed_ && fixed_->places.empty()) fixed_->add_to(all, 1.0);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k].places.empty()) all += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * terms_[k].readings;
+    if (terms_[k].places.empty()) terms_[k].add_to(all, std::exp(2.0 * u(static_cast<Eigen::Index>(k))));
+  }
+  return all;
+}
+
+Eigen::VectorXd VarianceTable::noise_variances(const Eigen::VectorXd& u) const {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(readings_->y.size());
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (terms_[k].diagonal.size() > 0) all += std::exp(2.0 * u(static_cast<Eigen::Index>(k))) * terms_[k].diagonal;
   }
   return all;
 }
@@ -220,26 +166,18 @@ std::vector<std::pair<const VarianceTerm*, double>> VarianceTable::error_terms(c
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k].places.empty()) all.emplace_back(&terms_[k], std::exp(u(static_cast<Eigen::Index>(k))));
   }
-  if (!fixed_errors_.places.empty()) all.emplace_back(&fixed_errors_, 1.0);
+  if (fixed_ && !fixed_->places.empty()) all.emplace_back(&*fixed_, 1.0);
   return all;
 }
 
 Eigen::MatrixXd VarianceTable::root_of_errors(const Eigen::VectorXd& u) const {
   Eigen::MatrixXd all(readings_->by_errors.cols(), 0);
   for (const auto& [term, std] : error_terms(u)) {
-    const Eigen::Index first = all.cols(), more = term->root.cols();
+    const Eigen::MatrixXd root = square_root(term->covariance);
+    const Eigen::Index first = all.cols(), more = root.cols();
     all.conservativeResize(Eigen::NoChange, first + more);
     all.rightCols(more).setZero();
-    all(term->places, Eigen::seqN(first, more)) = std * term->root;
-  }
-  return all;
-}
-
-Eigen::MatrixXd VarianceTable::by_root_of_errors(const Eigen::VectorXd& u) const {
-  Eigen::MatrixXd all(readings_->y.size(), 0);
-  for (const auto& [term, std] : error_terms(u)) {
-    all.conservativeResize(Eigen::NoChange, all.cols() + term->by_root.cols());
-    all.rightCols(term->by_root.cols()) = std * term->by_root;
+    all(term->places, Eigen::seqN(first, more)) = std * root;
   }
   return all;
 }
@@ -250,62 +188,75 @@ VarianceTable VarianceTable::with(const Fact& fact) const {
     const std::vector<Eigen::Index> places(fact.errors.begin(), fact.errors.end());
     const Eigen::VectorXd more =
         (fact.factor * fact.factor - 1.0) * Eigen::MatrixXd(readings_->prior(places, places)).diagonal();
-    other.fixed_errors_ = term_of_errors(Spreads::positions, places, more.asDiagonal());
-    other.fixed_ = other.fixed_errors_.readings;
+    other.fixed_ = term_of_errors(Spreads::positions, places, more.asDiagonal());
     return other;
   }
-  other.fixed_ = Eigen::MatrixXd::Zero(readings_->y.size(), readings_->y.size());
+  other.fixed_ = VarianceTerm{Spreads::noise, -1, Eigen::VectorXd::Zero(readings_->y.size())};
   for (std::size_t k = 0; k < readings_->blocks.size(); ++k) {
     const ReadingBlock& one = readings_->blocks[k];
     if (one.station != *fact.pose && one.from != *fact.pose) continue;
-    other.fixed_.diagonal().segment(readings_->first[k], rows_of(one)).setConstant(fact.factor * fact.factor);
+    other.fixed_->diagonal.segment(readings_->first[k], rows_of(one)).setConstant(fact.factor * fact.factor);
   }
   return other;
 }
 
-VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) const {
-  const Eigen::VectorXd variances = (2.0 * u).array().exp();
+Cholesky VarianceTable::root_of_covariance(const Eigen::VectorXd& variances) const {
+  const Eigen::Index count = readings_->y.size();
+  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(count, count);
+  if (fixed_) fixed_->add_to(V, 1.0);
+  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].add_to(V, variances(static_cast<Eigen::Index>(k)));
+  return Cholesky(V);
+}
+
+bool VarianceTable::take_up_set_up(const Cholesky& root, At& at) const {
   const LinearReadings& all = *readings_;
-  const Eigen::Index count = all.y.size(), set_up = all.by_set_up.cols(), n = u.size();
-  Eigen::MatrixXd V = fixed_.size() > 0 ? fixed_ : Eigen::MatrixXd(Eigen::MatrixXd::Zero(count, count));
-  for (std::size_t k = 0; k < terms_.size(); ++k) V += variances(static_cast<Eigen::Index>(k)) * terms_[k].readings;
-  const Cholesky root(V);
-  At at{.cost = std::numeric_limits<double>::infinity()};
-  if (!root.ok()) return at;
-  const Eigen::MatrixXd inverse = root.inverse();
-  at.cost = root.log_root();
-  at.P = inverse;
-  at.set_up.resize(0);
-  Eigen::VectorXd left = all.y;
-  if (set_up > 0) {
-    const Eigen::MatrixXd by = product(inverse, all.by_set_up);
-    const Eigen::MatrixXd information =
-        product(all.by_set_up.transpose(), by) + product(all.set_up_root.transpose(), all.set_up_root);
-    const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Cholesky of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
-    if (!of_set_up.ok()) return {.cost = std::numeric_limits<double>::infinity()};
-    const Eigen::VectorXd told =
-        product(by.transpose(), all.y) - product(all.set_up_root.transpose(), all.set_up_reach);
-    at.set_up = scale.asDiagonal() * of_set_up.solve(scale.asDiagonal() * told);
-    const Eigen::MatrixXd scaled = by * scale.asDiagonal();
-    at.P -= product(scaled, of_set_up.solve(scaled.transpose()));
-    left -= product(all.by_set_up, at.set_up);
-    at.cost += of_set_up.log_root() - scale.array().log().sum() +
-               0.5 * (product(all.set_up_root, at.set_up) + all.set_up_reach).squaredNorm();
-  }
-  at.z = product(inverse, left);
+  const Eigen::MatrixXd by = root.solve(all.by_set_up);  // not by P: of exact readings that loses what is left
+  const Eigen::MatrixXd information =
+      product(all.by_set_up.transpose(), by) + product(all.set_up_root.transpose(), all.set_up_root);
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Cholesky of_set_up(scale.asDiagonal() * information * scale.asDiagonal());
+  if (!of_set_up.ok()) return false;
+  const Eigen::VectorXd told = product(by.transpose(), all.y) - product(all.set_up_root.transpose(), all.set_up_reach);
+  at.set_up = scale.asDiagonal() * of_set_up.solve(scale.asDiagonal() * told);
+  at.cost += of_set_up.log_root() - scale.array().log().sum() +
+             0.5 * (product(all.set_up_root, at.set_up) + all.set_up_reach).squaredNorm();
+  const Eigen::VectorXd left = all.y - product(all.by_set_up, at.set_up);
+  at.z = root.solve(left);
   at.cost += 0.5 * left.dot(at.z);
-  if (derivatives) {
-    at.gradient.resize(n);
-    Eigen::MatrixXd moved(count, n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const Eigen::MatrixXd& K = terms_[static_cast<std::size_t>(k)].readings;
-      moved.col(k) = product(K, at.z);
-      at.gradient(k) = variances(k) * (K.cwiseProduct(at.P).sum() - at.z.dot(moved.col(k)));
-    }
-    at.curvature =
-        2.0 * variances.asDiagonal() * product(moved.transpose(), product(at.P, moved)) * variances.asDiagonal();
+  const Eigen::MatrixXd half = of_set_up.forward(scale.asDiagonal() * by.transpose());
+  add_square(at.P, half.transpose(), -1.0);
+  complete_from_lower(at.P);
+  return true;
+}
+
+void VarianceTable::add_slopes(const Eigen::VectorXd& variances, At& at) const {
+  const Eigen::Index n = variances.size();
+  at.gradient.resize(n);
+  Eigen::MatrixXd moved(at.z.size(), n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const VarianceTerm& term = terms_[static_cast<std::size_t>(k)];
+    moved.col(k) = term.times(at.z);
+    at.gradient(k) = variances(k) * (term.trace_with(at.P) - at.z.dot(moved.col(k)));
   }
+  at.curvature =
+      2.0 * variances.asDiagonal() * product(moved.transpose(), product(at.P, moved)) * variances.asDiagonal();
+}
+
+VarianceTable::At VarianceTable::at(const Eigen::VectorXd& u, bool derivatives) const {
+  constexpr double kImpossible = std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd variances = (2.0 * u).array().exp();
+  At at;
+  const Cholesky root = root_of_covariance(variances);
+  if (!root.ok()) return {.cost = kImpossible};
+  at.cost = root.log_root();
+  at.P = root.inverse();
+  if (readings_->by_set_up.cols() > 0) {
+    if (!take_up_set_up(root, at)) return {.cost = kImpossible};
+  } else {
+    at.z = root.solve(readings_->y);
+    at.cost += 0.5 * readings_->y.dot(at.z);
+  }
+  if (derivatives) add_slopes(variances, at);
   add_visits(variances, derivatives, at);
   add_prior(u, at);
   return at;
