@@ -1,6 +1,6 @@
-// Time and accuracy of fits of delta printers, on the published measurements of data/klipper-delta and on simulated
-// rotary deltas: the firmware's cost by least squares and by its own method (coordinate descent), the complete
-// calibration, and leave-one-out errors. kinematics_benchmark.cpp explains why it uses plain chrono code.
+// Time of fits of delta printers, on the published measurements of data/klipper-delta: the firmware's cost by least
+// squares and by its own method (coordinate descent), and the complete calibration. kinematics_benchmark.cpp explains
+// why it uses plain chrono code.
 //
 //   paracal-printer-benchmark
 //
@@ -15,7 +15,6 @@
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/units.hpp"
 #include "printer/klipper_sets.hpp"
-#include "printer/rotary_printer.hpp"
 
 namespace paracal::benchmark {
 namespace {
@@ -84,8 +83,7 @@ struct Sum {
              .unit = "ms per fit",
              .note = "in the firmware it runs in Python"},
             {fit, static_cast<double>(sets)}, {descent, static_cast<double>(sets)});
-    state(fmt::format("`calibrate --printer`, {}, leave-one-out", readings), 1e3 * spread_of(whole).median / sets,
-          "ms");
+    state(fmt::format("`calibrate --printer`, {}", readings), 1e3 * spread_of(whole).median / sets, "ms");
   }
 };
 
@@ -108,54 +106,19 @@ void report(const KlipperSet& set, Sum& sum) {
              found.cost / best.cost - 1.0, best.cost / set.best_cost - 1.0, 1e3 * whole.median);
 }
 
-/// Errors of left-out readings over those of the firmware's fit, printer by printer, and their medians.
-class LeftOut {
- public:
-  void add(const std::string& id, const DeltaGeometry& saved, const DeltaReadings& readings) {
-    const PrinterCalibration found = calibrate_printer(saved, readings);
-    if (!found.tested() || readings.distances.empty()) return;
-    const PredictionErrors firmware = found.by_firmware.held_out, ours = found.written.held_out;
-    heights_.push_back(ours.height / firmware.height);
-    distances_.push_back(ours.distance / firmware.distance);
-    fmt::print("{:<8}{:>10.3f}{:>10.3f}\n", id, heights_.back(), distances_.back());
-  }
-
-  void print_medians() const {
-    fmt::print("{:<8}{:>10.3f}{:>10.3f}\n\n", "median", spread_of(heights_).median, spread_of(distances_).median);
-  }
-
- private:
-  std::vector<double> heights_, distances_;
-};
-
-void report_left_out(const std::vector<KlipperSet>& sets) {
-  constexpr unsigned kRotary = 10;
-  fmt::print("\nleave-one-out errors divided by those of the firmware's fit\n\n{:<8}{:>10}{:>10}\n", "set", "heights",
-             "distances");
-  LeftOut published, rotary;
-  for (const KlipperSet& set : sets) published.add(set.id, set.geometry, set.readings);
-  published.print_medians();
-  for (unsigned seed = 1; seed <= kRotary; ++seed) {
-    const test::RotaryPrinter printer = test::rotary_printer(seed);
-    rotary.add(fmt::format("rotary{}", seed), printer.saved, printer.readings);
-  }
-  rotary.print_medians();
-}
-
 void run() {
   const std::vector<KlipperSet> sets = test::klipper_sets();
   fmt::print("{}\n", host_description());
   fmt::print(
       "h, d: heights and distances; fit, us (median, p99, max); descent: coordinate descent of the same cost from the\n"
       "same start, ms; its time divided by the fit's; its rounds; its relative cost above the fit's; the fit's cost\n"
-      "above SciPy's; complete calibration with leave-one-out, ms\n\n");
+      "above SciPy's; complete calibration with its ladder, ms\n\n");
   fmt::print("{:<5}{:>4}{:>4}{:>9}{:>9}{:>9}{:>10}{:>9}{:>8}{:>12}{:>12}{:>10}\n", "set", "h", "d", "fit", "p99", "max",
              "descent", "times", "rounds", "cost above", "SciPy's", "whole");
   Sum heights, distances;
   for (const KlipperSet& set : sets) report(set, set.readings.distances.empty() ? heights : distances);
   heights.record("heights");
   distances.record("heights and distances");
-  report_left_out(sets);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <array>
 #include <ctime>
 #include <filesystem>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "paracal/io/klipper.hpp"
 #include "paracal/io/machine_codes.hpp"
 #include "paracal/io/printer_tables.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "reporting.hpp"
 #include "session.hpp"
@@ -93,11 +95,16 @@ std::vector<report::ErrorArrow> arrows_of(const PrinterCalibration& found, const
   std::vector<JointDrops> drops;
   for (const BedReading& reading : readings.heights) drops.push_back(reading.drops);
   for (const PrintedDistance& reading : readings.distances) drops.insert(drops.end(), {reading.from, reading.to});
+  const Calibration& calibration = found.programs.calibration;
+  const Machine machine = build(calibration.robot, calibration.errors());
   std::vector<report::ErrorArrow> arrows;
   for (std::size_t k = 0; k < drops.size(); ++k) {
-    const Station& station = found.measurements.stations[k];  // in the same order
-    const auto off = deviation(found.known, found.saved.geometry, drops[k]);
-    if (off) arrows.push_back({station.name, station.commanded, *off});
+    const Station& station = found.programs.measurements.stations[k];  // in the same order
+    const auto believed = nozzle(found.saved.geometry, drops[k]);
+    const ForwardResult taken = forward(machine, found.programs.printer.joints_at(drops[k]));
+    if (!believed || !taken.ok()) continue;
+    arrows.push_back(
+        {station.name, station.commanded, taken.plate.position - calibration.robot.controller_origin() - *believed});
   }
   return arrows;
 }
@@ -179,7 +186,8 @@ std::vector<Option*> add_printer_options(Command& command, PrinterOptions& optio
       command.add_flag("--accept-shift", options.accept_shift,
                        "let the new values follow the common shift of all heights, because the bed has moved; "
                        "otherwise the shift is only reported");
-  return {add_firmware_option(command, options.printer), readings, write, config, apply, shift};
+  Option* const details = command.add_flag("--details", options.details, "also state what the advice rests on");
+  return {add_firmware_option(command, options.printer), readings, write, config, apply, shift, details};
 }
 
 namespace {
@@ -242,6 +250,19 @@ std::string write_configuration(const PrinterOptions& options, const PrinterStat
   return "\n" + changed_lines(printer.text.text, changed);
 }
 
+/// What to do, the values to paste, the notes.
+std::string answer(const PrinterCalibration& found, bool has_details, const std::string& parameters) {
+  std::string text = found.findings.front() + "\n";
+  if (!parameters.empty()) text += "\n" + parameters + "\n";
+  for (const std::string& one : std::span(found.findings).subspan(1)) text += "- " + one + "\n";
+  if (has_details) {
+    for (const std::string& one : found.details) text += "- " + one + "\n";
+  } else if (!found.details.empty()) {
+    text += "What this rests on: --details\n";
+  }
+  return text;
+}
+
 void check_configuration_options(const PrinterOptions& options, const Session& session) {
   for (const auto& [is_given, option] :
        {std::pair{options.apply, "--apply"}, {options.accept_shift, "--accept-shift"}}) {
@@ -271,28 +292,25 @@ void calibrate_printer_file(const PrinterOptions& options, const std::string& pa
     throw WrongUsage("--write marlin: expected a linear delta, got a rotary one, which Marlin does not support");
   }
   PrinterCalibration found = calibrate(printer, options);
-  found.findings.insert(found.findings.end(), printer.notes.begin(), printer.notes.end());
+  found.details.insert(found.details.begin(), printer.notes.begin(), printer.notes.end());
   const std::string parameters = parameters_text(write, found.advised());
-  found.calibration.files = printer.files;
+  found.programs.calibration.files = printer.files;
   std::vector<std::string> read;
   for (const InputFile& file : printer.files) read.push_back(file.name);
   session.outputs.keep_off(read);
   const std::string written = write_configuration(options, printer, found, session);
-  io::Json json = io::to_json(found.calibration, now());
+  io::Json json = io::to_json(found.programs.calibration, now());
   json["printer"] = io::to_json(found);
   json["printer"]["lines"] = parameters;
   if (!page.empty()) {
-    write_calibration_page(page, session, found.calibration, json,
+    write_calibration_page(page, session, found.programs.calibration, json,
                            {.arrows = arrows_of(found, printer.readings), .plan = false});
   }
   const bool is_met = found.is_advised();
   if (!is_met) session.exit_code = kVerdictIsNo;
   if (session.json() || !session.out().empty()) session.print_json(json);
   if (session.json()) return;
-  std::string text = fmt::format("{}\n", fmt::join(found.findings, "\n- "));
-  if (found.is_advised()) text.append("\n").append(parameters);
-  text += written;
-  session.print_verdict(text, is_met);
+  session.print_verdict(answer(found, options.details, is_met ? parameters : std::string()) + written, is_met);
 }
 
 }  // namespace paracal::app

@@ -43,9 +43,10 @@ struct PrinterOptions {
   std::string config;         ///< file for the whole changed configuration; empty: none
   bool apply = false;         ///< change the configuration itself, and keep what it was beside it
   bool accept_shift = false;  ///< a common shift of all heights is the bed's
+  bool details = false;       ///< also what the advice rests on
 };
 
-/// --firmware, --readings, --write, --config, --apply and --accept-shift.
+/// --firmware, --readings, --write, --config, --apply, --accept-shift and --details.
 std::vector<Option*> add_printer_options(Command& command, PrinterOptions& options, Outputs& outputs);
 
 /// Calibrates a printer from its own file, and from what else was read on it.

@@ -63,6 +63,7 @@
 #include "paracal/mechanism/tolerances.hpp"
 #include "paracal/numerics/information_root.hpp"
 #include "paracal/numerics/rigid_fit.hpp"
+#include "paracal/printer/ladder.hpp"
 #include "paracal/printer/plausibility.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/spelling.hpp"

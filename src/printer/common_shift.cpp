@@ -46,13 +46,6 @@ std::vector<std::string> CommonShift::likely_causes() const {
   return causes;
 }
 
-double height_noise(const DeltaFit& fit, const DeltaReadings& readings, const ShiftLimits& limits) {
-  const auto count = static_cast<int>(readings.heights.size() + readings.distances.size());
-  const int freedoms = count - fit.parameters;
-  if (!fit.ok() || freedoms < limits.fewest_freedoms) return limits.probe;
-  return fit.rms_height * std::sqrt(static_cast<double>(count) / freedoms);
-}
-
 CommonShift common_shift(const DeltaGeometry& saved, const DeltaReadings& readings, double noise,
                          const ShiftLimits& limits) {
   std::vector<double> beds;

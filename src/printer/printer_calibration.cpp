@@ -2,121 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
-#include "advice_rules.hpp"
+#include "advice.hpp"
 #include "paracal/error.hpp"
 #include "paracal/printer/plausibility.hpp"
-#include "printer_fit.hpp"
 
 namespace paracal {
 namespace {
 
-/// Radius of the place where the readings were taken, mm.
+/// Radius of the place where heights were read, mm.
 double covered_radius(const DeltaGeometry& geometry, const DeltaReadings& readings) {
   double radius = 0.0;
-  const auto cover = [&](const JointDrops& drops) {
-    if (const auto place = nozzle(geometry, drops)) radius = std::max(radius, place->head<2>().norm());
-  };
-  for (const BedReading& reading : readings.heights) cover(reading.drops);
-  for (const PrintedDistance& reading : readings.distances) {
-    cover(reading.from);
-    cover(reading.to);
+  for (const BedReading& reading : readings.heights) {
+    if (const auto place = nozzle(geometry, reading.drops)) radius = std::max(radius, place->head<2>().norm());
   }
   return radius;
-}
-
-/// The readings that the calibration did not leave out.
-DeltaReadings without_gross(const DeltaReadings& all, const Calibration& calibration) {
-  DeltaReadings good;
-  for (std::size_t k = 0; k < calibration.lengths.size(); ++k) {
-    if (!calibration.lengths[k].excluded) good.heights.push_back(all.heights[k]);
-  }
-  for (std::size_t k = 0; k < calibration.distances.size(); ++k) {
-    if (!calibration.distances[k].excluded) good.distances.push_back(all.distances[k]);
-  }
-  return good;
-}
-
-/// Share by which the size of prints may be off (k = 2): what the bias leaves open of the mean distance.
-/// @param stays  the bias as estimated that is not taken off, mm.
-double open_size(const DeltaReadings& readings, double stays, double bias_std) {
-  double sum = 0.0;
-  for (const PrintedDistance& one : readings.distances) sum += one.distance;
-  return sum > 0.0 ? (std::abs(stays) + 2.0 * bias_std) * static_cast<double>(readings.distances.size()) / sum : 0.0;
-}
-
-PrintSize size_of(const detail::ReadingTrial& trial, const DeltaReadings& readings) {
-  const double std = trial.bias_can_be_told ? trial.bias_std : kDistanceBias;
-  return {.bias_can_be_told = trial.bias_can_be_told,
-          .bias_is_there = trial.bias_is_there,
-          .bias = trial.bias_can_be_told ? trial.bias : 0.0,
-          .bias_std = std,
-          .open = open_size(readings, trial.bias_can_be_told && !trial.bias_is_there ? trial.bias : 0.0, std)};
-}
-
-/// Largest depth of the nozzle at z = 0 below the bed where its height was read, mm.
-double depth_at_heights(const DeltaGeometry& geometry, const DeltaReadings& readings) {
-  double depth = 0.0;
-  for (const BedReading& one : readings.heights) {
-    const auto at = nozzle(geometry, one.drops);
-    depth = std::max(depth, at ? at->z() - one.height : INFINITY);
-  }
-  return depth;
-}
-
-PrinterCandidate candidate(const DeltaGeometry& geometry, const DeltaGeometry& saved, const DeltaReadings& readings,
-                           const KnownPrinter& known, const std::optional<HeldOut>& held_out,
-                           double HeldOutReading::*by) {
-  PrinterCandidate one{.geometry = geometry,
-                       .held_out = {},
-                       .gain = {},
-                       .some_kind_worse = false,
-                       .chance_better = chance_better(known, geometry, saved),
-                       .chance_above_bed = chance_better(known, geometry, saved, CountedFrom::bed),
-                       .expected_shape = expected_shape(known, geometry),
-                       .depth = std::max(depth_at_heights(geometry, readings), depth_at_zero(known, geometry))};
-  if (!held_out) return one;
-  one.held_out = held_out->errors(by);
-  one.gain = held_out->gain(by);
-  one.some_kind_worse = held_out->some_kind_worse(by);
-  return one;
-}
-
-/// Readings that nobody would notice to be wrong: put off by so much, either way, they are not left out as gross. Tried
-/// beside those that were not left out: what is wrong already would be found again at every trial.
-std::vector<std::string> unnoticed(const DeltaGeometry& saved, const DeltaReadings& readings, const Calibration& found,
-                                   const detail::PrinterFitOptions& options) {
-  constexpr double kHeight = 1.0, kDistance = 0.5;  // mm
-  constexpr std::size_t kMost = 100;                // of more readings each is checked by many
-  std::vector<std::string> names;
-  if (readings.heights.size() + readings.distances.size() > kMost) return names;
-  const DeltaReadings good = without_gross(readings, found);
-  const auto is_noticed = [&](const DeltaReadings& wrong, const auto& is_excluded) {
-    const auto fit = detail::fit_printer(saved, wrong, options);
-    return fit && is_excluded(fit->calibration);
-  };
-  const auto try_both = [&](const auto& off_by, const auto& is_excluded, std::string name) {
-    DeltaReadings above = good, below = good;
-    off_by(above, 1.0);
-    off_by(below, -1.0);
-    if (!is_noticed(above, is_excluded) || !is_noticed(below, is_excluded)) names.push_back(std::move(name));
-  };
-  std::size_t at = 0;  // among the good ones
-  for (std::size_t k = 0; k < readings.heights.size(); ++k) {
-    if (found.lengths[k].excluded) continue;
-    try_both([&](DeltaReadings& all, double sign) { all.heights[at].height += sign * kHeight; },
-             [&](const Calibration& trial) { return trial.lengths[at].excluded; }, fmt::format("height{}", k));
-    ++at;
-  }
-  at = 0;
-  for (std::size_t k = 0; k < readings.distances.size(); ++k) {
-    if (found.distances[k].excluded) continue;
-    try_both([&](DeltaReadings& all, double sign) { all.distances[at].distance += sign * kDistance; },
-             [&](const Calibration& trial) { return trial.distances[at].excluded; }, fmt::format("distance{}", k));
-    ++at;
-  }
-  return names;
 }
 
 std::vector<std::string> all_implausible(const DeltaGeometry& saved, const DeltaReadings& readings,
@@ -141,119 +42,98 @@ void reject(const std::vector<std::string>& wrong, Calibration& calibration) {
                                 wrong.empty() ? "check that both are of the same printer" : wrong.front()));
 }
 
-}  // namespace
+/// One owner's readings, with what was found in them before they are judged.
+class Owner {
+ public:
+  Owner(const DeltaGeometry& saved, const DeltaReadings& readings, const PrinterCalibrationOptions& options)
+      : saved_(saved),
+        read_(by_paper(readings, trigger_error(saved, readings))),
+        options_(options),
+        trigger_(trigger_error(saved, readings)),
+        sign_(wrong_sign(saved, readings)) {}
 
-bool PrinterCalibration::is_advised() const {
-  return advice == PrinterAdvice::accept_new || advice == PrinterAdvice::take_firmware ||
-         advice == PrinterAdvice::accept_shift;
-}
-
-const DeltaGeometry& PrinterCalibration::advised() const {
-  switch (advice) {
-    case PrinterAdvice::accept_new:
-      return written.geometry;
-    case PrinterAdvice::take_firmware:
-      return by_firmware.geometry;
-    default:
-      return saved.geometry;
+  PrinterCalibration calibrate() {
+    const Ladder first = ladder_of(saved_, read_);
+    CommonShift shift = shift_of(first);
+    if (!shift.is_stated) return judged(saved_, read_, first, shift);
+    if (options_.accepts_shift && !sign_) {
+      shift.is_accepted = true;
+      const DeltaGeometry moved = with_bed_higher(saved_, shift.value);
+      PrinterCalibration found = judged(moved, read_, ladder_of(moved, read_), shift);
+      if (found.advice != PrinterAdvice::check_input) return found;
+      shift.is_accepted = false;  // nothing is built on a wrong file
+    }
+    const DeltaReadings rest = without_shift(read_, shift.value);
+    return judged(saved_, rest, ladder_of(saved_, rest), shift);
   }
-}
 
-namespace {
+ private:
+  /// Over the bed, if the printer reaches all of it; else where it was read.
+  Ladder ladder_of(const DeltaGeometry& saved, const DeltaReadings& readings) {
+    const double covered = covered_radius(saved, readings);
+    for (const double radius : {options_.print_radius, covered}) {
+      if (!(radius > 0.0)) continue;
+      print_radius_ = radius;
+      const auto found =
+          ladder(saved, readings, {.priors = options_.priors, .rules = options_.rules, .print_radius = radius});
+      if (found) return *found;
+    }
+    refuse(saved, readings);
+  }
 
-/// What all heights share, gross readings left out, unless steps of another size would explain it better than the shift
-/// does.
-CommonShift find_shift(const DeltaGeometry& saved, const DeltaReadings& readings) {
-  const auto fit = detail::fit_printer(saved, readings, {});
-  if (!fit || !fit->firmware.ok()) return {.endstop = saved.endstop};
-  const DeltaReadings good = without_gross(readings, fit->calibration);
-  CommonShift shift = common_shift(saved, good, height_noise(fit_as_firmware(saved, good), good));
-  shift.is_stated = shift.is_stated && !has_wrong_steps(saved, good, without_shift(good, shift.value));
-  return shift;
-}
+  /// What all heights share, gross readings left out, unless steps of another size would explain it better than the
+  /// shift does.
+  CommonShift shift_of(const Ladder& first) const {
+    const DeltaReadings good = without(read_, first.gross);
+    CommonShift shift = common_shift(saved_, good, first.noise_height);
+    shift.is_stated = shift.is_stated && !has_wrong_steps(saved_, good, without_shift(good, shift.value));
+    shift.has_wrong_sign = sign_.has_value();
+    return shift;
+  }
 
-/// What was found in the readings before they are fitted.
-struct Looked {
-  CommonShift shift;
-  TriggerError trigger;
-  std::optional<std::string> wrong = {};  ///< what forbids advice
+  PrinterCalibration judged(const DeltaGeometry& saved, const DeltaReadings& readings, Ladder found,
+                            const CommonShift& shift) const {
+    const DeltaReadings good = without(readings, found.gross);
+    const DeltaFit firmware = fit_as_firmware(saved, good);
+    // Where few readings are left to check the fit, one that was excluded may be as good as the others.
+    constexpr std::size_t kSpare = 3;
+    const bool are_few =
+        good.heights.size() + good.distances.size() < static_cast<std::size_t>(firmware.parameters) + kSpare;
+    std::vector<std::string> wrong = are_few ? all_implausible(saved, readings, fit_as_firmware(saved, readings))
+                                             : all_implausible(saved, good, firmware);
+    if (sign_ && !shift.is_stated) wrong.insert(wrong.begin(), *sign_);  // the endstops follow the wrong sign
+    const bool usable = firmware.ok() && implausible(firmware.geometry).empty();
+    const DeltaGeometry& nominal = usable ? firmware.geometry : saved;
+    auto programs =
+        calibrate_for_programs(implausible(saved).empty() ? saved : nominal, nominal, readings, print_radius_);
+    if (!programs) refuse(saved, readings);
+    PrinterCalibration result{.saved = judge_as_firmware(saved, readings),
+                              .firmware = fit_as_firmware(saved, readings),
+                              .ladder = std::move(found),
+                              .programs = std::move(*programs),
+                              .shift = shift,
+                              .trigger = trigger_,
+                              .print_radius = print_radius_};
+    detail::advise(good, wrong, result);
+    if (!wrong.empty()) reject(wrong, result.programs.calibration);
+    return result;
+  }
+
+  const DeltaGeometry& saved_;
+  DeltaReadings read_;
+  const PrinterCalibrationOptions& options_;
+  TriggerError trigger_;
+  std::optional<std::string> sign_;
+  double print_radius_ = 0.0;
 };
 
-/// With the readings as they are.
-PrinterCalibration calibrate_as_read(const DeltaGeometry& saved, const DeltaReadings& readings,
-                                     const PrinterCalibrationOptions& options, const Looked& looked) {
-  const double radius = options.print_radius > 0.0 ? options.print_radius : covered_radius(saved, readings);
-  const detail::ReadingTrial trial = detail::try_readings(saved, readings, radius);
-  const detail::PrinterFitOptions sought{.seeks_bias = trial.bias_is_there, .bow_radius = trial.bow_radius()};
-  detail::PrinterFitOptions stated = sought;
-  stated.print_radius = radius;
-  stated.states_use = true;
-  auto fit = detail::fit_printer(saved, readings, stated);
-  if (!fit) refuse(saved, readings);
-  const DeltaReadings good = without_gross(readings, fit->calibration);
-  const DeltaFit checked = fit_as_firmware(saved, good);
-  const PrintSize size = size_of(trial, good);
-  KnownPrinter known = above_plane(known_printer(fit->printer, fit->calibration, fit->bow_radius));
-  const KnownPrinter judge = trial.known.value_or(known);
-  // What is not known of bow and bias counts in U, whichever of them the fit sought.
-  if (judge.parameters.size() == known.parameters.size()) known.covariance = above_plane(judge).covariance;
-  const DeltaFit judged = judge_as_firmware(saved, good);
-  const bool saved_is_fit = judged.ok() && judged.cost <= 1.01 * checked.cost + 1e-9;
-  std::vector<std::string> wrong = all_implausible(saved, good, checked);
-  if (looked.wrong) wrong.insert(wrong.begin(), *looked.wrong);
-  // Of a wrong file or wrong readings nothing is advised, whatever these many fits would say.
-  std::optional<HeldOut> held_out;
-  std::vector<std::string> uncheckable;
-  if (wrong.empty()) {
-    held_out = hold_out(saved, good, sought.seeks_bias, sought.bow_radius, saved_is_fit);
-    if (options.tries_gross) uncheckable = unnoticed(saved, readings, fit->calibration, sought);
-  }
-  const DeltaProjection projection = fit->written();
-  PrinterCalibration result{
-      .saved = judge_as_firmware(saved, readings),
-      .firmware = fit->firmware,
-      .measurements = std::move(fit->measurements),
-      .calibration = above_bed(std::move(fit->calibration), known, unseen_motion(known, saved)),
-      .known = known,
-      .projection = projection,
-      .written = candidate(projection.geometry, saved, good, judge, held_out, &HeldOutReading::written),
-      .by_firmware = candidate(checked.geometry, saved, good, judge, held_out, &HeldOutReading::firmware),
-      .held_out = held_out ? held_out->errors(&HeldOutReading::saved) : PredictionErrors{},
-      .groups = held_out ? held_out->groups : 0,
-      .expected_shape = expected_shape(judge, saved),
-      .saved_is_fit = saved_is_fit,
-      .accuracy_before = accuracy_of(known, saved),
-      .size = size,
-      .bed = trial.bed,
-      .shift = looked.shift,
-      .trigger = looked.trigger,
-      .uncheckable = std::move(uncheckable),
-      .findings = {}};
-  detail::advise(readings, wrong, result);
-  if (!wrong.empty()) reject(wrong, result.calibration);
-  return result;
-}
-
 }  // namespace
 
-PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& read,
+PrinterCalibration calibrate_printer(const DeltaGeometry& saved, const DeltaReadings& readings,
                                      const PrinterCalibrationOptions& options) {
-  require_places(saved, read);
-  Looked looked{.shift = {.endstop = saved.endstop}, .trigger = trigger_error(saved, read)};
-  const DeltaReadings readings = by_paper(read, looked.trigger);
-  const std::optional<std::string> sign = wrong_sign(saved, read);
-  CommonShift& shift = looked.shift;
-  shift = find_shift(saved, readings);
-  shift.has_wrong_sign = sign.has_value();
-  if (!shift.is_stated) looked.wrong = sign;  // the endstops follow the wrong sign
-  if (!shift.is_stated) return calibrate_as_read(saved, readings, options, looked);
-  if (options.accepts_shift && !sign) {
-    shift.is_accepted = true;
-    PrinterCalibration found = calibrate_as_read(with_bed_higher(saved, shift.value), readings, options, looked);
-    if (found.advice != PrinterAdvice::check_input) return found;
-    shift.is_accepted = false;  // nothing is built on a wrong file
-  }
-  return calibrate_as_read(saved, without_shift(readings, shift.value), options, looked);
+  require_places(saved, readings);
+  if (readings.heights.empty()) throw InvalidArgument("printer: expected heights of the bed, got none");
+  return Owner(saved, readings, options).calibrate();
 }
 
 }  // namespace paracal

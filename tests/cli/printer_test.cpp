@@ -53,11 +53,15 @@ TEST_F(PrinterCommand, SaysWhatToDoAndWhatToSave) {
   folder.write("printer.cfg", outdated());
   const ProgramResult result = folder.run("calibrate --printer printer.cfg");
   EXPECT_EQ(result.exit_code, kDone);
-  for (const char* said :
-       {"Accept the new values", "rotates about z", "measure distances of two lengths",
-        "Not checked by any other reading: ", "Held-out readings, predicted from the others", "90 % interval",
-        "#*# [printer]\n#*# delta_radius = ", "#*# [stepper_c]\n#*# angle = 90.000000000\n"}) {
+  EXPECT_THAT(result.out, StartsWith("Change endstops"));
+  for (const char* said : {"first layer ", "size of prints ", "\n\n#*# [printer]\n#*# delta_radius = ",
+                           "#*# [stepper_c]\n#*# angle = 90.000000000\n", "What this rests on: --details\n"}) {
     EXPECT_THAT(result.out, HasSubstr(said));
+  }
+  EXPECT_THAT(result.out, Not(HasSubstr("- Rung ")));
+  const ProgramResult details = folder.run("calibrate --printer printer.cfg --details");
+  for (const char* said : {"- Rung height: first layer ", "- Noise of a height ", "rotates about z"}) {
+    EXPECT_THAT(details.out, HasSubstr(said));
   }
   EXPECT_THAT(folder.run("calibrate --printer printer.cfg --write marlin").out, HasSubstr("\nM665 L"));
 }
@@ -100,16 +104,18 @@ std::string first_calibration() {
   return text;
 }
 
-/// The firmware's fit is a change like others: exit code 0, and what is applied is kept by the next calibration.
-TEST_F(PrinterCommand, TheFirmwaresFitIsAChange) {
+/// What only a radius levels is advised from heights alone: exit code 0, and what is applied is kept by the next
+/// calibration.
+TEST_F(PrinterCommand, AFirstCalibrationIsAChange) {
   folder.write("printer.cfg", first_calibration());
   const json found = json_of(folder.run("calibrate --printer printer.cfg --json"))["printer"];
-  EXPECT_EQ(found["advice"], "take_firmware");
+  EXPECT_EQ(found["advice"], "accept_new");
+  EXPECT_NE(found["rung"], "height");
   EXPECT_EQ(found["common_shift"]["is_stated"], false);
   const ProgramResult applied = folder.run("calibrate --printer printer.cfg --apply");
   EXPECT_EQ(applied.exit_code, kDone);
-  EXPECT_THAT(applied.out, StartsWith("Use the firmware's fit: "));
-  EXPECT_THAT(folder.read("printer.cfg"), HasSubstr("delta_radius: 137.8"));
+  EXPECT_THAT(applied.out, StartsWith("Change endstops"));
+  EXPECT_THAT(folder.read("printer.cfg"), testing::ContainsRegex("delta_radius: 137\\.[78]"));
   EXPECT_EQ(folder.run("calibrate --printer printer.cfg").exit_code, kVerdictIsNo);
 }
 
@@ -133,7 +139,7 @@ TEST_F(PrinterCommand, WritesTheWholeConfiguration) {
   // Said of it again: nothing to change.
   const ProgramResult again = folder.run("calibrate --printer new.cfg");
   EXPECT_EQ(again.exit_code, kVerdictIsNo);
-  EXPECT_THAT(again.out, HasSubstr("nothing to change"));
+  EXPECT_THAT(again.out, StartsWith("Keep your values: "));
   EXPECT_EQ(folder.run("calibrate --printer printer.cfg --config printer.cfg").exit_code, kWrongUsage);
   folder.write("config.g", "M665 R105.6 L215.0 H235\n");
   const ProgramResult refused =
@@ -153,7 +159,7 @@ TEST_F(PrinterCommand, AppliesWithABackupAndADiff) {
   const std::string kept = *std::ranges::find_if(names, [](const std::string& one) { return one != "printer.cfg"; });
   EXPECT_THAT(kept, testing::MatchesRegex("printer-[0-9]{8}_[0-9]{6}.cfg"));
   EXPECT_EQ(folder.read(kept), outdated());
-  EXPECT_THAT(folder.run("calibrate --printer printer.cfg").out, HasSubstr("nothing to change"));
+  EXPECT_THAT(folder.run("calibrate --printer printer.cfg").out, StartsWith("Keep your values: "));
 }
 
 /// The name of the second file in a folder.
@@ -192,7 +198,7 @@ TEST_F(PrinterCommand, KeepsEveryByteOfWhatItChanges) {
     EXPECT_EQ(changed.substr(0, 2), texts[k].substr(0, 2)) << k;
     EXPECT_EQ(changed.size() % 2 == 0 || !is_wide, true) << k;
     EXPECT_NE(changed, texts[k]) << k;
-    EXPECT_THAT(own.run("calibrate --printer printer.cfg").out, HasSubstr("nothing to change")) << k;
+    EXPECT_THAT(own.run("calibrate --printer printer.cfg").out, StartsWith("Keep your values: ")) << k;
   }
 }
 
@@ -302,7 +308,7 @@ TEST_F(PrinterCommand, SaysWhichLineIsInForce) {
   std::string text = outdated();
   text.insert(text.find("max_velocity"), "delta_radius: 161.0\n");
   folder.write("printer.cfg", text);
-  const ProgramResult result = folder.run("calibrate --printer printer.cfg");
+  const ProgramResult result = folder.run("calibrate --printer printer.cfg --details");
   EXPECT_THAT(result.out, HasSubstr("printer.cfg:6: delta_radius 161.0 of [printer] is in force"));
 }
 
@@ -326,19 +332,21 @@ TEST_F(PrinterCommand, JsonHasTheCalibrationAndThePrinter) {
   const json object = json_of(folder.run("calibrate --printer printer.cfg --json"));
   ASSERT_TRUE(has_keys(object, "accepted parameters planes distance_bias_mm printer"));
   const json& printer = object["printer"];
-  ASSERT_TRUE(has_keys(
-      printer,
-      "advice findings lines saved firmware new accuracy_saved accuracy_new left_out left_out_firmware left_out_saved "
-      "groups judged_new judged_firmware expected_shape_saved_mm size uncheckable"));
+  ASSERT_TRUE(has_keys(printer,
+                       "advice rung findings details ladder lines saved firmware new bed print_radius_mm noise_mm "
+                       "excluded uncheckable common_shift_mm common_shift"));
   EXPECT_EQ(printer["advice"], "accept_new");
-  EXPECT_GT(printer["judged_new"]["chance_better"], 0.8);  // of a bed that may be bowed
-  EXPECT_GT(printer["judged_new"]["gain"]["value"], 0.5);
-  EXPECT_LT(printer["judged_new"]["expected_shape_mm"], printer["expected_shape_saved_mm"]);
-  EXPECT_LE(printer["judged_new"]["gain"]["high"], 1.0);  // no mean square falls by more than all of it
-  EXPECT_EQ(printer["size"]["bias_can_be_told"], false);
-  EXPECT_EQ(printer["uncheckable"].size(), 13);
   EXPECT_EQ(printer["firmware"]["parameters"], 9);
-  EXPECT_LT(printer["accuracy_new"]["shape_rms_mm"], printer["accuracy_saved"]["shape_rms_mm"]);
+  ASSERT_EQ(printer["ladder"].size(), 5u);
+  EXPECT_EQ(printer["ladder"][0]["rung"], "saved");
+  for (const json& one : printer["ladder"]) {
+    if (one["rung"] != printer["rung"]) continue;
+    EXPECT_EQ(one["geometry"], printer["new"]);
+    EXPECT_EQ(one["is_allowed"], true);
+    EXPECT_GE(one["chance_better"], 0.95);
+    EXPECT_LT(one["first_layer_mm"]["value"], printer["ladder"][0]["first_layer_mm"]["value"]);
+  }
+  EXPECT_EQ(printer["bed"].size(), 61u);
 }
 
 /// What the firmware has no number for, or has not been told, a filter of its programs puts right.
@@ -362,8 +370,9 @@ TEST_F(PrinterCommand, ItsCalibrationFiltersProgramsInTheFirmwaresCoordinates) {
 TEST_F(PrinterCommand, WarnsWhereNothingIsGained) {
   folder.write("printer.cfg", config("K37"));
   const ProgramResult result = folder.run("calibrate --printer printer.cfg");
-  EXPECT_THAT(result.out, HasSubstr("The saved values are not the firmware's fit of these readings: they leave "));
-  EXPECT_EQ(result.exit_code, result.out.starts_with("Accept") ? kDone : kVerdictIsNo);
+  EXPECT_THAT(folder.run("calibrate --printer printer.cfg --details").out,
+              HasSubstr("The saved values are not the firmware's fit of these readings: they leave "));
+  EXPECT_EQ(result.exit_code, result.out.starts_with("Change") ? kDone : kVerdictIsNo);
 }
 
 TEST_F(PrinterCommand, OtherFirmwaresGiveARobot) {
@@ -494,7 +503,8 @@ TEST_F(PrinterCommand, RowsThatArePastedTwiceCountOnce) {
   folder.write("once.csv", once);
   folder.write("twice.csv", twice);
   const std::string calibrate = "calibrate --printer config.g --firmware reprapfirmware --readings ";
-  const ProgramResult first = folder.run(calibrate + "once.csv"), again = folder.run(calibrate + "twice.csv");
+  const ProgramResult first = folder.run(calibrate + "once.csv --details"),
+                      again = folder.run(calibrate + "twice.csv --details");
   const std::string note = "- twice.csv: 13 rows repeat other rows exactly and count once\n";
   ASSERT_THAT(again.out, HasSubstr(note));
   EXPECT_EQ(std::string(again.out).replace(again.out.find(note), note.size(), ""), first.out);
@@ -533,7 +543,7 @@ TEST_F(PrinterCommand, ConfigurationsMayIncludeOthers) {
 TEST_F(PrinterCommand, DrawsAPage) {
   folder.write("printer.cfg", outdated());
   ASSERT_EQ(folder.run("calibrate --printer printer.cfg --report page.html").exit_code, kDone);
-  EXPECT_THAT(folder.read("page.html"), HasSubstr("Accept the new values"));
+  EXPECT_THAT(folder.read("page.html"), HasSubstr("Change endstops"));
 }
 
 TEST_F(PrinterCommand, IsRefusedWithoutReadings) {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "paracal/printer/printer_calibration.hpp"
-#include "printer/advice_rules.hpp"
 #include "printer/klipper_sets.hpp"
 #include "printer/rotary_printer.hpp"
 #include "printer/virtual_printer.hpp"
@@ -31,7 +30,7 @@ using testing::StartsWith;
 /// By values with endstops so much too high, so that the bed seems higher.
 PrinterCalibration calibrated(const VirtualPrinter& printer, double shift, bool accepts = false) {
   return calibrate_printer(with_bed_higher(printer.saved, -shift), printer.readings,
-                           {.print_radius = printer.radius, .tries_gross = false, .accepts_shift = accepts});
+                           {.print_radius = printer.radius, .accepts_shift = accepts});
 }
 
 /// 13 heights, or seven with distances.
@@ -58,10 +57,9 @@ double range_of(const VirtualPrinter& printer) {
 }
 
 /// The printer with its bed where the readings less their shift have it.
-KnownPrinter truth_less_shift(const VirtualPrinter& printer, const CommonShift& shift) {
-  KnownPrinter truth = printer.truth();
-  truth.bed.height -= shift.is_stated ? shift.value : 0.0;
-  return truth;
+VirtualPrinter less_shift(VirtualPrinter printer, const CommonShift& shift) {
+  printer.bed.height -= shift.is_stated ? shift.value : 0.0;
+  return printer;
 }
 
 /// Twenty shifts from 0.8 to 20 mm up and down, each on a printer of its own. Written down before: each is stated, at
@@ -84,7 +82,7 @@ TEST_P(CommonShiftOf, VirtualPrintersIsStatedAndNotAdvised) {
     EXPECT_THAT(found.findings, Contains(HasSubstr("add --accept-shift")));
     advised += found.is_advised();
     if (!found.is_advised()) continue;
-    EXPECT_LE(depth_at_zero(truth_less_shift(printer, found.shift), found.advised()), 0.25) << added << " mm";
+    EXPECT_LE(less_shift(printer, found.shift).depth(found.advised()), 0.25) << added << " mm";
   }
   EXPECT_GE(advised, 3);  // the shape is judged as ever: of printers as designed most are to be improved
 }
@@ -94,10 +92,10 @@ TEST(CommonShift, LeavesTheShapeAsItIs) {
   const VirtualPrinter printer = virtual_printer(world_of(2), 2);
   const PrinterCalibration one = calibrated(printer, 7.0), other = calibrated(printer, 32.0);
   EXPECT_EQ(other.advice, one.advice);
-  EXPECT_NEAR(other.written.geometry.radius, one.written.geometry.radius, 1e-3);
-  EXPECT_NEAR(other.written.geometry.endstop[0] - 25.0, one.written.geometry.endstop[0], 1e-3);
-  EXPECT_NEAR(other.expected_shape, one.expected_shape, 1e-3);
-  EXPECT_NEAR(other.held_out.height, one.held_out.height, 1e-3);
+  const DeltaGeometry &here = one.ladder.rungs.back().geometry, &there = other.ladder.rungs.back().geometry;
+  EXPECT_NEAR(there.radius, here.radius, 1e-3);
+  EXPECT_NEAR(there.endstop[0] - 25.0, here.endstop[0], 1e-3);
+  EXPECT_NEAR(other.ladder.saved().first_layer.value, one.ladder.saved().first_layer.value, 1e-3);
 }
 
 /// Where the owner says that the bed stands there, every value follows it, and is advised even where the shape stays.
@@ -112,27 +110,6 @@ TEST(CommonShift, IsFollowedWhereItIsAccepted) {
     EXPECT_NEAR(found.advised().radius, apart.advised().radius, 1e-3);
     EXPECT_THAT(found.findings, Not(Contains(HasSubstr("add --accept-shift"))));
   }
-}
-
-/// Better or not, values with which the nozzle scratches the bed are not advised.
-TEST(CommonShift, ValuesThatScratchTheBedAreNotAdvised) {
-  const VirtualPrinter printer = virtual_printer({.heights = 13, .distances = 12, .two_lengths = true}, 2);
-  PrinterCalibration found = calibrated(printer, 0.0);
-  ASSERT_EQ(detail::advice_of(false, found), PrinterAdvice::accept_new);
-  for (const double depth : {0.19, 0.21}) {
-    found.written.depth = found.by_firmware.depth = depth;
-    EXPECT_EQ(detail::advice_of(false, found) == PrinterAdvice::keep_saved, depth > 0.2);
-  }
-  for (const double depth : {0.19, 0.21}) {
-    found.by_firmware.chance_better = found.by_firmware.chance_above_bed = 1.0;
-    found.written.gain.low = 0.5;
-    found.by_firmware.depth = depth;
-    EXPECT_EQ(detail::advice_of(true, found) == PrinterAdvice::keep_saved, depth > 0.2);
-  }
-  // The depth is that of the nozzle: values that follow a bed 0.5 mm lower than it is.
-  const KnownPrinter truth = printer.truth();
-  const DeltaGeometry best = calibrated(printer, 0.0).written.geometry;
-  EXPECT_NEAR(depth_at_zero(truth, with_bed_higher(best, -0.5)) - depth_at_zero(truth, best), 0.5, 0.1);
 }
 
 /// 0.3 mm are a shift where the shape is smaller; 0.04 mm are nothing that a user sees.
@@ -211,7 +188,7 @@ TEST(CommonShift, PaperCountsBeforeTheProbe) {
   EXPECT_THAT(found.findings, Contains(StartsWith("Paper and probe differ by 0.50 mm at 1 place")));
   EXPECT_THAT(found.findings, Contains(HasSubstr("by +0.50 mm")));
   EXPECT_THAT(found.findings, Contains(HasSubstr("heights by hand confirm it")));
-  EXPECT_FALSE(found.calibration.lengths.back().excluded);
+  EXPECT_TRUE(found.ladder.gross.heights.empty());
   // What agrees is not corrected, and what touched elsewhere is no other height of the same place.
   printer.readings.heights.back().drops =
       *drops_to(printer.saved, *nozzle(printer.saved, paper.drops) + Eigen::Vector3d(0.0, 0.0, 0.47));
@@ -237,7 +214,7 @@ TEST(CommonShift, OfAPublishedPrinterIsItsEndstops) {
   KlipperSet set = *std::ranges::find(sets, "K34", &KlipperSet::id);
   const std::array<double, 3> right = set.geometry.endstop;
   for (double& endstop : set.geometry.endstop) endstop += 60.0;
-  const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+  const PrinterCalibration found = calibrate_printer(set.geometry, set.readings);
   EXPECT_NE(found.advice, PrinterAdvice::check_input);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found.shift.endstop[i], right[i], 0.5);
 }

@@ -90,14 +90,13 @@ class FirstCalibration : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Rings, FirstCalibration, testing::Values(2, 4));
 
 /// Written down before: after no advice the nozzle is more than 0.2 mm below the bed, no first layer gets worse by more
-/// than 0.01 mm, no radius is called a shift, and one in four is advised at least.
+/// than 0.01 mm, no radius is called a shift, and four of five are advised.
 TEST_P(FirstCalibration, IsNoShiftAndNeverScratchesTheBed) {
   const int count = test::machines({.claim = 20, .quick = 4});
   int advised = 0;
   for (unsigned seed = 1; seed <= static_cast<unsigned>(count); ++seed) {
     const First first = first_calibration(seed, GetParam());
-    const PrinterCalibration found =
-        calibrate_printer(first.saved, first.readings, {.print_radius = kRim, .tries_gross = false});
+    const PrinterCalibration found = calibrate_printer(first.saved, first.readings, {.print_radius = kRim});
     EXPECT_LT(std::abs(found.shift.value), 0.15) << seed;
     const FirstLayer before = first_layer(first, first.saved), after = first_layer(first, found.advised());
     advised += found.is_advised();
@@ -107,7 +106,7 @@ TEST_P(FirstCalibration, IsNoShiftAndNeverScratchesTheBed) {
     EXPECT_LT(after.rms, before.rms + 0.01) << seed;
   }
   RecordProperty("advised", advised);
-  EXPECT_GE(advised, count / 4);
+  EXPECT_GE(advised, count * 4 / 5);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ const PrinterCalibration& calibrated(const KlipperSet& set) {
   static std::map<std::string, PrinterCalibration> all;
   auto found = all.find(set.id);
   if (found == all.end()) {
-    found = all.emplace(set.id, calibrate_printer(set.geometry, set.readings, {.tries_gross = false})).first;
+    found = all.emplace(set.id, calibrate_printer(set.geometry, set.readings)).first;
   }
   return found->second;
 }

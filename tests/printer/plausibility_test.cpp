@@ -55,13 +55,13 @@ TEST_P(ImplausiblePrinter, IsNotAdvised) {
   KlipperSet set = set_named(GetParam().set);
   GetParam().spoil(set);
   try {
-    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+    const PrinterCalibration found = calibrate_printer(set.geometry, set.readings);
     EXPECT_EQ(found.advice, PrinterAdvice::check_input);
     EXPECT_THAT(found.findings.front(), HasSubstr("Check your file and your readings"));
     EXPECT_THAT(found.findings.at(1), HasSubstr(GetParam().said));
     EXPECT_EQ(numbers_of(found.advised()), numbers_of(set.geometry));
-    EXPECT_FALSE(found.calibration.accepted());  // no program is corrected by it
-    EXPECT_FALSE(found.calibration.reasons.empty());
+    EXPECT_FALSE(found.programs.calibration.accepted());  // no program is corrected by it
+    EXPECT_FALSE(found.programs.calibration.reasons.empty());
   } catch (const Unreachable& refused) {
     EXPECT_THAT(refused.what(), HasSubstr(GetParam().said));
   }
@@ -153,7 +153,7 @@ TEST(ImplausibleReadings, HeightsBelowTheBedHaveTheWrongSign) {
   const double stated = readings.heights.front().height;
   for (BedReading& one : readings.heights) one.height = -6.0;
   const DeltaGeometry saved = with_bed_higher(set.geometry, stated + 6.0);  // follows the sign
-  const PrinterCalibration found = calibrate_printer(saved, readings, {.tries_gross = false});
+  const PrinterCalibration found = calibrate_printer(saved, readings);
   EXPECT_EQ(found.advice, PrinterAdvice::check_input);
   const std::string& sentence = found.findings.at(1);
   EXPECT_THAT(sentence, HasSubstr("check the sign of z_offset (column height_mm). With +6.0 mm the endstops are "));
@@ -184,7 +184,7 @@ TEST(ImplausibleReadings, KindsWithStepsOfTheirOwnAreNamed) {
         one.from = times(ratio)(one.from);
         one.to = times(ratio)(one.to);
       }
-      const PrinterCalibration found = calibrate_printer(set.geometry, set.readings, {.tries_gross = false});
+      const PrinterCalibration found = calibrate_printer(set.geometry, set.readings);
       EXPECT_EQ(found.advice, PrinterAdvice::check_input);
       const std::string which = heights ? "heights" : "distances", others = heights ? "distances" : "heights";
       EXPECT_THAT(found.findings.at(1),

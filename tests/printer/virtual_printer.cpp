@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <ostream>
 
 #include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/printer/ladder.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
 
@@ -55,8 +58,8 @@ class Owner {
 
   BedReading height(int k, int of) {
     const Eigen::Vector3d p = place(k, of);
-    const double z = printer_.bed.height + printer_.bed.slope_x * p.x() + printer_.bed.slope_y * p.y() +
-                     printer_.bow.edge * printer_.bow.share_at(p);
+    const double z =
+        printer_.bed.height + printer_.bed.slope_x * p.x() + printer_.bed.slope_y * p.y() + printer_.bed.bow_at(p);
     const InverseResult joints = inverse(machine_, {{p.x(), p.y(), z + random_.normal(kProbe)}, 0.0});
     JointDrops drops{};
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -89,6 +92,28 @@ class Owner {
 };
 
 }  // namespace
+
+Eigen::Vector3d VirtualPrinter::place(const JointDrops& drops) const {
+  const Eigen::Vector3d p = forward(build(machine.robot, errors), machine.joints_at(drops)).plate.position;
+  const double z = p.z() - bed.height - bed.slope_x * p.x() - bed.slope_y * p.y();
+  return {p.x() + bed.slope_x * z, p.y() + bed.slope_y * z, z};
+}
+
+std::vector<double> VirtualPrinter::heights(const DeltaGeometry& values) const {
+  std::vector<double> all;
+  for (const Eigen::Vector3d& wanted : printable_disk(radius)) {
+    const Eigen::Vector3d real = place(*drops_to(values, wanted));
+    all.push_back(real.z() - bed.bow_at(real));
+  }
+  return all;
+}
+
+double VirtualPrinter::first_layer(const DeltaGeometry& values) const {
+  const std::vector<double> all = heights(values);
+  return std::sqrt(std::inner_product(all.begin(), all.end(), all.begin(), 0.0) / static_cast<double>(all.size()));
+}
+
+double VirtualPrinter::depth(const DeltaGeometry& values) const { return -std::ranges::min(heights(values)); }
 
 double VirtualPrinter::size_error(const DeltaGeometry& values) const {
   constexpr int kAround = 12;
@@ -125,8 +150,7 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
   VirtualPrinter printer{.saved = saved,
                          .machine = printer_machine(actual, radius),
                          .errors = {},
-                         .bed = {},
-                         .bow = {world.bow, radius},
+                         .bed = {.edge = world.bow, .radius = radius},
                          .readings = {}};
   printer.radius = radius;
   const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <iosfwd>
+#include <vector>
 
-#include "paracal/printer/projection.hpp"
+#include "paracal/printer/printer_machine.hpp"
 
 namespace paracal::test {
 
@@ -25,25 +26,35 @@ struct PrinterWorld {
 /// As tests of a world are named.
 void PrintTo(const PrinterWorld& world, std::ostream* out);
 
+/// A bed in the robot's frame: z = height + slope_x x + slope_y y, and its edge above its centre.
+struct VirtualBed {
+  double height = 0.0, slope_x = 0.0, slope_y = 0.0;
+  double edge = 0.0, radius = 1.0;
+
+  /// Of its surface above the plane.
+  double bow_at(const Eigen::Vector3d& p) const { return edge * (p.head<2>().squaredNorm() / (radius * radius) - 0.5); }
+};
+
 /// A linear delta nobody has built.
 struct VirtualPrinter {
   DeltaGeometry saved;
   PrinterMachine machine;
   SourceErrors errors;
-  FoundPlane bed;
-  BedBow bow;
+  VirtualBed bed;
   DeltaReadings readings;  ///< of the machine, with noise, in whole micro-steps
   double radius = 0.0;     ///< of the bed, mm
 
-  KnownPrinter truth() const { return {machine, errors, bed, {}, {}, bow}; }
-  /// Error of shape over the bed with values in the firmware, root mean square, mm.
-  double shape_error(const DeltaGeometry& values) const { return accuracy_of(truth(), values).shape_rms; }
-  /// Whether values are better in shape than others above what z is counted from.
-  bool is_better(const DeltaGeometry& values, const DeltaGeometry& than, CountedFrom above) const {
-    return chance_better(truth(), values, than, above) > 0.5;
-  }
+  /// Where the nozzle is with these drops: x and y along the bed, z above its plane.
+  Eigen::Vector3d place(const JointDrops& drops) const;
+  /// Height of the nozzle above the bed at z = 0 with values in the firmware: root mean square over the bed, mm.
+  double first_layer(const DeltaGeometry& values) const;
+  /// Largest depth of the nozzle below the bed, mm.
+  double depth(const DeltaGeometry& values) const;
   /// Mean share by which prints are too large with values in the firmware.
   double size_error(const DeltaGeometry& values) const;
+
+ private:
+  std::vector<double> heights(const DeltaGeometry& values) const;
 };
 
 /// Parts differ from what the firmware was told as printer_tolerances() says (half-widths are 3 sigma); radius and rods

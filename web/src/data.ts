@@ -5,6 +5,7 @@ export type Interval = [number, number];
 export type Assumed = string[];
 export type Residual = DistanceResidual | HeightResidual | BallBarResidual | DialResidual | PointResidual;
 export type RotationMatrix = [Vector, Vector, Vector];
+export type Rung = "saved" | "height" | "radius" | "towers" | "rods";
 export type DeltaGeometry = LinearDelta | RotaryDelta;
 export type Contributors = Contributor[];
 export type IntervalOverMachines = [number | null, number | null];
@@ -375,33 +376,33 @@ export interface InputFile {
   sha256: string;
 }
 export interface Printer {
-  advice: "accept_new" | "take_firmware" | "keep_saved" | "accept_shift" | "check_input";
+  advice: "accept_new" | "keep_saved" | "accept_shift" | "check_input";
+  rung: Rung;
   findings: string[];
+  details: string[];
+  ladder: PrinterRung[];
   saved: DeltaFit;
   firmware: DeltaFit;
   new: DeltaGeometry;
-  accuracy_saved: DeltaAccuracy;
-  accuracy_new: DeltaAccuracy;
-  left_out: PredictionErrors | null;
-  left_out_firmware: PredictionErrors | null;
-  left_out_saved: PredictionErrors | null;
-  groups: number;
-  judged_new: PrinterCandidate;
-  judged_firmware: PrinterCandidate;
-  expected_shape_saved_mm: number;
-  size: PrintSize;
-  bed: BedFlatness;
+  bed: BedPoint[];
+  print_radius_mm: number;
+  noise_mm: ReadingNoise;
+  excluded: string[];
   common_shift_mm: number;
   common_shift: CommonShift;
   uncheckable: string[];
   lines: string;
 }
-export interface DeltaFit {
-  cost_mm2: number;
-  rms_height_mm: number;
-  rms_distance_mm: number;
-  parameters: number;
+export interface PrinterRung {
+  rung: Rung;
   geometry: DeltaGeometry;
+  first_layer_mm: PrinterFigure;
+  size_percent: PrinterFigure;
+  chance_better: number;
+  chance_size_worse: number;
+  depth_mm: number | null;
+  holds_radius: boolean;
+  is_allowed: boolean;
 }
 export interface LinearDelta {
   tower_angle_deg: Vector;
@@ -417,42 +418,27 @@ export interface RotaryDelta {
   upper_arm_length_mm: Vector;
   lower_arm_length_mm: Vector;
 }
-export interface DeltaAccuracy {
-  absolute_rms_mm: number;
-  absolute_max_mm: number;
-  shape_rms_mm: number;
-  shape_max_mm: number;
-}
-export interface PredictionErrors {
-  height_mm: number;
-  distance_mm: number;
-}
-export interface PrinterCandidate {
-  geometry: DeltaGeometry;
-  gain: Gain;
-  chance_better: number;
-  chance_above_bed: number;
-  expected_shape_mm: number;
-}
-export interface Gain {
+export interface PrinterFigure {
   value: number;
   low: number;
   high: number;
 }
-export interface PrintSize {
-  bias_can_be_told: boolean;
-  bias_is_there: boolean;
-  bias_mm: number;
-  bias_std_mm: number;
-  open_share: number;
+export interface DeltaFit {
+  cost_mm2: number;
+  rms_height_mm: number;
+  rms_distance_mm: number;
+  parameters: number;
+  geometry: DeltaGeometry;
 }
-export interface BedFlatness {
-  is_bowed: boolean;
-  is_told: boolean;
-  edge_mm: number;
-  edge_std_mm: number;
-  radius_mm: number;
-  or_bias_mm: number;
+export interface BedPoint {
+  x_mm: number;
+  y_mm: number;
+  saved_mm: number;
+  new_mm: number;
+}
+export interface ReadingNoise {
+  height: number;
+  distance: number;
 }
 export interface CommonShift {
   is_stated: boolean;

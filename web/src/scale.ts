@@ -22,19 +22,22 @@ function logarithmic(smallest: number, largest: number): number[] {
 }
 
 /// Equal steps of 1, 2 or 5, as few as leave no more bands than colours.
-function linear(smallest: number, largest: number): number[] {
+/// @param middle  part of a step by which the thresholds are moved: 0.5 has zero in the middle of a band
+function linear(smallest: number, largest: number, middle = 0): number[] {
   let k = 3 * Math.floor(Math.log10((largest - smallest) / kColours.length));
   while ((largest - smallest) / step(k) > kColours.length - 1) ++k;
   const width = step(k), thresholds: number[] = [];
-  for (let n = Math.floor(smallest / width) + 1; n * width < largest; ++n) thresholds.push(Number((n * width).toPrecision(12)));
+  for (let n = Math.floor(smallest / width) - 1; (n + middle) * width < largest; ++n) {
+    if ((n + middle) * width > smallest) thresholds.push(Number(((n + middle) * width).toPrecision(12)));
+  }
   return thresholds;
 }
 
 export function bandsFor(values: number[]): Bands {
   const positive = values.filter((value) => value > 0);
   const largest = Math.max(...positive, 0), smallest = Math.min(...positive, largest);
-  const wide = largest > 8 * smallest;
-  const thresholds = !(largest > smallest) ? [] : wide ? logarithmic(smallest, largest) : linear(smallest, largest);
+  const wide = largest > 8 * smallest, lowest = Math.min(...values);
+  const thresholds = lowest < 0 ? linear(lowest, Math.max(...values), 0.5) : !(largest > smallest) ? [] : wide ? logarithmic(smallest, largest) : linear(smallest, largest);
   const count = thresholds.length + 1;
   const colours = Array.from({ length: count }, (_, k) => kColours[count === 1 ? 0 : Math.round((k * (kColours.length - 1)) / (count - 1))]!);
   return { thresholds, colours, colourOf: (value) => colours[thresholds.filter((t) => value > t).length]! };

@@ -13,8 +13,7 @@ namespace paracal {
 struct ShiftLimits {
   double least = 0.05;       ///< mm
   double noises = 3.0;       ///< standard deviations of a height
-  double probe = 0.02;       ///< standard deviation of a height where the fit has too few degrees of freedom, mm
-  int fewest_freedoms = 3;   ///< of the fit, to estimate that standard deviation
+  double probe = 0.02;       ///< standard deviation of a height, to compare paper and probe, mm
   std::size_t trimmed = 10;  ///< from so many heights on, the least and the largest are put aside: one may be wrong
 };
 
@@ -37,9 +36,6 @@ struct CommonShift {
 /// @param noise  standard deviation of a height, mm.
 CommonShift common_shift(const DeltaGeometry& saved, const DeltaReadings& readings, double noise,
                          const ShiftLimits& limits = {});
-
-/// Standard deviation of a height by the firmware's fit, mm.
-double height_noise(const DeltaFit& fit, const DeltaReadings& readings, const ShiftLimits& limits = {});
 
 /// What a sheet of paper and the probe say of the same places: the paper shows where the nozzle touches.
 struct TriggerError {

@@ -55,10 +55,6 @@ Measurements printer_measurements(const PrinterMachine& printer, const DeltaGeom
 /// deviation.
 inline constexpr double kDistanceBias = 0.2;
 
-/// Height of the edge of a bed above its centre (bent glass, uneven heat), mm, standard
-/// deviation.
-inline constexpr double kBedBow = 0.12;
-
 /// Measurements of printers: probes repeat to 0.02 mm, callipers on printed pillars to 0.05 mm; beds are perpendicular
 /// to the rails within 0.5 mrad. These, the tolerances and the common errors are the same for all printers.
 /// @param seeks_bias  a bias of all distances is one of the unknowns.

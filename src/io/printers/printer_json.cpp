@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <string>
+
 #include "paracal/io/json.hpp"
 #include "paracal/printer/printer_calibration.hpp"
 #include "paracal/units.hpp"
@@ -20,13 +23,6 @@ Json geometry_json(const DeltaGeometry& geometry) {
   return json;
 }
 
-Json accuracy_json(const DeltaAccuracy& accuracy) {
-  return {{"absolute_rms_mm", accuracy.absolute_rms},
-          {"absolute_max_mm", accuracy.absolute_max},
-          {"shape_rms_mm", accuracy.shape_rms},
-          {"shape_max_mm", accuracy.shape_max}};
-}
-
 Json fit_json(const DeltaFit& fit) {
   return {{"cost_mm2", fit.cost},
           {"rms_height_mm", fit.rms_height},
@@ -35,29 +31,21 @@ Json fit_json(const DeltaFit& fit) {
           {"geometry", geometry_json(fit.geometry)}};
 }
 
-Json errors_json(const PredictionErrors& errors) {
-  return {{"height_mm", errors.height}, {"distance_mm", errors.distance}};
+Json figure_json(const LadderFigure& figure, double scale) {
+  return {{"value", scale * figure.value}, {"low", scale * figure.low}, {"high", scale * figure.high}};
 }
 
-Json candidate_json(const PrinterCandidate& one) {
-  return {{"geometry", geometry_json(one.geometry)},
-          {"gain", {{"value", one.gain.value}, {"low", one.gain.low}, {"high", one.gain.high}}},
-          {"chance_better", one.chance_better},
-          {"chance_above_bed", one.chance_above_bed},
-          {"expected_shape_mm", one.expected_shape}};
-}
-
-Json size_json(const PrintSize& size) {
-  return {{"bias_can_be_told", size.bias_can_be_told},
-          {"bias_is_there", size.bias_is_there},
-          {"bias_mm", size.bias},
-          {"bias_std_mm", size.bias_std},
-          {"open_share", size.open}};
-}
-
-Json bed_json(const BedFlatness& bed) {
-  return {{"is_bowed", bed.is_bowed},    {"is_told", bed.is_told},  {"edge_mm", bed.edge},
-          {"edge_std_mm", bed.edge_std}, {"radius_mm", bed.radius}, {"or_bias_mm", bed.or_bias}};
+Json rung_json(const RungValues& one) {
+  constexpr double kPercent = 100.0;
+  return {{"rung", name(one.rung)},
+          {"geometry", geometry_json(one.geometry)},
+          {"first_layer_mm", figure_json(one.first_layer, 1.0)},
+          {"size_percent", figure_json(one.size, kPercent)},
+          {"chance_better", one.chance},
+          {"chance_size_worse", one.chance_size},
+          {"depth_mm", one.depth},
+          {"holds_radius", one.holds_radius},
+          {"is_allowed", one.is_allowed}};
 }
 
 Json shift_json(const CommonShift& shift) {
@@ -67,29 +55,50 @@ Json shift_json(const CommonShift& shift) {
           {"position_endstop_mm", shift.endstop}};
 }
 
+/// "height3", "distance0": as in a printer.cfg.
+Json names_of(const ReadingNumbers& numbers) {
+  Json names = Json::array();
+  for (const std::size_t k : numbers.heights) names.push_back("height" + std::to_string(k));
+  for (const std::size_t k : numbers.distances) names.push_back("distance" + std::to_string(k));
+  return names;
+}
+
+/// The nozzle above the bed over the printable disk, with the saved and with the advised values.
+Json bed_json(const PrinterCalibration& found) {
+  Json points = Json::array();
+  const std::vector<Eigen::Vector3d> places = printable_disk(found.print_radius);
+  const bool is_new = found.advice == PrinterAdvice::accept_new;
+  const RungValues &before = found.ladder.saved(), &after = is_new ? found.ladder.best() : before;
+  for (std::size_t k = 0; k < std::min(before.heights.size(), after.heights.size()); ++k) {
+    points.push_back({{"x_mm", places[k].x()},
+                      {"y_mm", places[k].y()},
+                      {"saved_mm", before.heights[k]},
+                      {"new_mm", after.heights[k]}});
+  }
+  return points;
+}
+
 }  // namespace
 
 Json to_json(const PrinterCalibration& found) {
-  const auto held_out = [&](const PredictionErrors& errors) { return found.tested() ? errors_json(errors) : Json(); };
+  Json rungs = Json::array();
+  for (const RungValues& one : found.ladder.rungs) rungs.push_back(rung_json(one));
+  const bool is_new = found.advice == PrinterAdvice::accept_new;
   return {{"advice", name(found.advice)},
+          {"rung", name(is_new ? found.ladder.best().rung : Rung::saved)},
           {"findings", found.findings},
+          {"details", found.details},
+          {"ladder", rungs},
           {"saved", fit_json(found.saved)},
           {"firmware", fit_json(found.firmware)},
-          {"new", geometry_json(found.projection.geometry)},
-          {"accuracy_saved", accuracy_json(found.accuracy_before)},
-          {"accuracy_new", accuracy_json(found.projection.accuracy)},
-          {"left_out", held_out(found.written.held_out)},
-          {"left_out_firmware", held_out(found.by_firmware.held_out)},
-          {"left_out_saved", held_out(found.held_out)},
-          {"groups", found.groups},
-          {"judged_new", candidate_json(found.written)},
-          {"judged_firmware", candidate_json(found.by_firmware)},
-          {"expected_shape_saved_mm", found.expected_shape},
-          {"size", size_json(found.size)},
-          {"bed", bed_json(found.bed)},
+          {"new", geometry_json(found.advised())},
+          {"bed", bed_json(found)},
+          {"print_radius_mm", found.print_radius},
+          {"noise_mm", {{"height", found.ladder.noise_height}, {"distance", found.ladder.noise_distance}}},
+          {"excluded", names_of(found.ladder.gross)},
+          {"uncheckable", names_of(found.ladder.unchecked)},
           {"common_shift_mm", found.shift.value},
-          {"common_shift", shift_json(found.shift)},
-          {"uncheckable", found.uncheckable}};
+          {"common_shift", shift_json(found.shift)}};
 }
 
 }  // namespace paracal::io

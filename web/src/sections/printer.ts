@@ -1,7 +1,10 @@
-// A printer's values, saved, by its firmware's fit and new, and how far the nozzle is off with them.
-import type { DeltaAccuracy, DeltaGeometry, Printer, Report } from "../data";
+// A printer's values, rung by rung, what judges them, and the bed before and after.
+import type { DeltaGeometry, PrinterFigure as Interval, Printer, Report } from "../data";
+import { bandLegend, discs, type Disc } from "../disc";
 import { h, table } from "../dom";
+import { figure } from "../figure";
 import { fixed } from "../numbers";
+import { bandsFor } from "../scale";
 import { section, type Section } from "../section";
 import { strings } from "../strings";
 
@@ -17,36 +20,50 @@ function rowsOf(geometries: DeltaGeometry[]): string[][] {
   });
 }
 
-/// Saved, firmware's fit, new: what judges them. Without readings held out only what is expected.
-function judged(found: Printer): string[][] {
+function judged({ ladder, rung, advice }: Printer): string[][] {
   const names = text.judgedNames;
-  const candidates = [found.judged_firmware, found.judged_new];
-  const rows = [
-    [names.shape, fixed(found.expected_shape_saved_mm, 3), ...candidates.map((one) => fixed(one.expected_shape_mm, 3))],
-    [names.chance, "", ...candidates.map((one) => fixed(100 * Math.min(one.chance_better, one.chance_above_bed ?? 1, 0.999), 1))],
-  ];
-  const heldOut = [found.left_out_saved, found.left_out_firmware, found.left_out];
-  if (heldOut.some((errors) => errors === null)) return rows;
-  const errors = (key: "height_mm" | "distance_mm") => heldOut.map((one) => fixed(one![key], 3));
-  const gains = candidates.map(({ gain }) => `${fixed(-100 * gain.value, 0)} (${fixed(-100 * gain.high, 0)} to ${fixed(-100 * gain.low, 0)})`);
+  const interval = ({ value, low, high }: Interval, places: number) => `${fixed(value, places)} (${fixed(low, places)} to ${fixed(high, places)})`;
   return [
-    [names.heights, ...errors("height_mm")],
-    ...(heldOut.some((one) => one!.distance_mm > 0) ? [[names.distances, ...errors("distance_mm")]] : []),
-    [names.gain, "", ...gains],
-    ...rows,
+    [names.layer, ...ladder.map((one) => interval(one.first_layer_mm, 3))],
+    [names.size, ...ladder.map((one) => interval(one.size_percent, 2))],
+    [names.chance, ...ladder.map((one) => (one.rung === "saved" ? "" : fixed(100 * Math.min(one.chance_better, 0.999), 1)))],
+    [names.depth, ...ladder.map((one) => (one.depth_mm === null ? "" : fixed(Math.max(one.depth_mm, 0), 2)))],
+    [names.advised, ...ladder.map((one) => (one.rung === rung && advice !== "check_input" ? text.yes : ""))],
   ];
+}
+
+/// The bed as a mesh shows it: the height of the nozzle over the disk, with the saved and the recommended values.
+function bed({ bed: points, print_radius_mm, advice }: Printer): HTMLElement | null {
+  if (points.length === 0) return null;
+  const around = 12, rings = (points.length - 1) / around;
+  const axes = {
+    radii_mm: Array.from({ length: rings }, (_, k) => (print_radius_mm * (k + 1)) / rings),
+    azimuths_deg: Array.from({ length: around }, (_, k) => (360 * k) / around),
+    points,
+  };
+  const disc = (heading: string, values: number[]): Disc => ({ heading, row: text.row, points, values });
+  const saved = points.map((point) => point.saved_mm), advised = points.map((point) => point.new_mm);
+  const bands = bandsFor([...saved, ...advised]);
+  const range = (values: number[]) => fixed(Math.max(...values) - Math.min(...values), 3);
+  const row = [disc(text.before, saved), ...(advice === "accept_new" ? [disc(text.after, advised)] : [])];
+  return figure({
+    id: "bed",
+    title: text.bed,
+    shows: text.bedShows(range(saved), range(advised)),
+    marks: row.length * points.length,
+    sheet: { columns: ["x_mm", "y_mm", "saved_mm", "new_mm"], rows: points.map((point) => [point.x_mm, point.y_mm, point.saved_mm, point.new_mm]) },
+    draw: (width) => [bandLegend(bands, "mm", width), discs(axes, [row], bands, width, [strings.map.x, strings.map.y])],
+  });
 }
 
 export function printer({ results }: Report): Section | null {
   const found = results.calibration?.printer;
   if (!found) return null;
-  const errors = Object.entries(text.errorNames).map(([key, name]) => [name, ...[found.accuracy_saved, found.accuracy_new].map((accuracy) => fixed(accuracy[key as keyof DeltaAccuracy], 3))]);
+  const columns = ["", ...found.ladder.map((one) => text.rungs[one.rung]!)], numeric = found.ladder.map((_, k) => k + 1);
   return section("printer", strings.nav.printer, text.heading, text.intro,
-    table(text.columns, rowsOf([found.saved.geometry, found.judged_firmware.geometry, found.new]), text.heading, [1, 2, 3]),
-    ...(found.advice !== "keep_saved" && found.advice !== "check_input" ? [h("h3", {}, text.lines), h("pre", { class: "command", tabindex: "0" }, found.lines)] : []),
+    bed(found),
+    ...(found.advice === "accept_new" || found.advice === "accept_shift" ? [h("h3", {}, text.lines), h("pre", { class: "command", tabindex: "0" }, found.lines)] : []),
     h("h3", {}, text.judged),
-    h("p", {}, text.judgedIntro),
-    table(text.columns, judged(found), text.judged, [1, 2, 3]),
-    h("h3", {}, text.errors),
-    table(text.errorColumns, errors, text.errors, [1, 2]));
+    table(columns, judged(found), text.judged, numeric),
+    table(columns, rowsOf(found.ladder.map((one) => one.geometry)), text.heading, numeric));
 }
