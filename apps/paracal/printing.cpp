@@ -64,6 +64,19 @@ std::string what_lacks(const PrinterOptions& options, const DeltaReadings& readi
   return fmt::format("{}{} the columns x_mm, y_mm, z_mm (where the nozzle touched the bed)", expected, how);
 }
 
+/// What distances alone say: the size of prints, with the saved values.
+std::string size_alone(const PrinterState& printer) {
+  double too_large = 0.0;
+  const std::vector<PrintedDistance>& all = printer.readings.distances;
+  for (const PrintedDistance& one : all) {
+    const auto from = nozzle(printer.geometry, one.from), to = nozzle(printer.geometry, one.to);
+    if (from && to) too_large += (one.distance / (*to - *from).norm() - 1.0) / static_cast<double>(all.size());
+  }
+  if (all.empty()) return {};
+  return fmt::format(". By the distances alone, the size of prints is {:+.2f} %; new values also need the bed",
+                     1e2 * too_large);
+}
+
 /// The printer with what its owner read on it besides.
 PrinterState with_readings(const PrinterOptions& options) {
   PrinterState printer = read_printer(options.printer);
@@ -85,7 +98,7 @@ PrinterState with_readings(const PrinterOptions& options) {
     printer.files.push_back(std::move(stamp));
   }
   if (printer.readings.heights.empty()) {
-    throw InputFileError(printer.files.front().name, 0, what_lacks(options, printer.readings));
+    throw InputFileError(printer.files.front().name, 0, what_lacks(options, printer.readings) + size_alone(printer));
   }
   return printer;
 }

@@ -61,6 +61,13 @@ class Advisor {
   /// Paper at a place of the probe.
   void trigger() {
     const TriggerError& trigger = found_.trigger;
+    if (trigger.varies) {
+      note(
+          fmt::format("The trigger height of the probe varies by {:.2f} mm from place to place. Only heights by hand "
+                      "count. Measure the trigger height at each place of a mesh (G30 H), or use another probe.",
+                      trigger.spread));
+      return;
+    }
     if (!trigger.is_stated) return;
     note(fmt::format(
         "Paper and probe differ by {:.2f} mm at {} place{}: the trigger height of the probe is off by that. "
@@ -129,7 +136,7 @@ class Advisor {
           "Sizes hold for the plastic that was measured. For a plastic that shrinks differently, measure a "
           "print of it.");
     }
-    if (best.rung < Rung::radius) return;
+    if (best.rung < Rung::radius || best.holds_radius) return;
     const double change = best.size.value - ladder().saved().size.value;
     if (std::abs(change) <= LadderRules{}.size) return;
     note(

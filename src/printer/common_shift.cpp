@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "numerics/median.hpp"
+#include "paracal/printer/ladder.hpp"
 
 namespace paracal {
 namespace {
@@ -61,6 +62,33 @@ CommonShift common_shift(const DeltaGeometry& saved, const DeltaReadings& readin
           .endstop = with_bed_higher(saved, value).endstop};
 }
 
+namespace {
+
+/// Bed by some values at the places of paper, from the lowest to the highest, mm.
+double spread_of_paper(const DeltaGeometry& values, const DeltaReadings& paper) {
+  double least = INFINITY, most = -INFINITY;
+  for (const BedReading& one : paper.heights) {
+    const auto at = touched(values, one);
+    if (!at) continue;
+    least = std::min(least, at->bed);
+    most = std::max(most, at->bed);
+  }
+  return most - least;
+}
+
+/// A probe of one trigger height measures the same bed as the paper, but for that height. Values that level the probe's
+/// heights would tilt the paper's by this, mm; 0 where there are too few.
+double spread_of_trigger(const DeltaGeometry& saved, const DeltaReadings& readings, const ShiftLimits& limits) {
+  DeltaReadings paper, probe;
+  for (const BedReading& one : readings.heights) (one.by_hand ? paper : probe).heights.push_back(one);
+  if (paper.heights.size() < limits.fewest || probe.heights.size() < limits.fewest_probed) return 0.0;
+  const auto levelled = fit_rung(saved, probe, Rung::towers);
+  const double spread = levelled ? spread_of_paper(*levelled, paper) : 0.0;
+  return spread > 2.0 * spread_of_paper(saved, paper) ? spread : 0.0;
+}
+
+}  // namespace
+
 TriggerError trigger_error(const DeltaGeometry& saved, const DeltaReadings& readings, const ShiftLimits& limits) {
   constexpr double kOnePlace = 0.5;  // mm
   std::vector<double> differences;
@@ -72,15 +100,17 @@ TriggerError trigger_error(const DeltaGeometry& saved, const DeltaReadings& read
       if (there && (there->place - at->place).norm() <= kOnePlace) differences.push_back(at->bed - there->bed);
     }
   }
-  if (differences.empty()) return {};
-  const double value = detail::median(differences);
+  TriggerError error{.spread = spread_of_trigger(saved, readings, limits), .places = differences.size()};
+  error.varies = error.spread > limits.varying;
+  if (differences.empty()) return error;
+  error.value = detail::median(differences);
   const double noise = limits.probe * std::numbers::sqrt2;
-  return {.value = value,
-          .places = differences.size(),
-          .is_stated = std::abs(value) > std::max(limits.least, limits.noises * noise)};
+  error.is_stated = !error.varies && std::abs(error.value) > std::max(limits.least, limits.noises * noise);
+  return error;
 }
 
 DeltaReadings by_paper(DeltaReadings readings, const TriggerError& error) {
+  if (error.varies) std::erase_if(readings.heights, [](const BedReading& one) { return !one.by_hand; });
   for (BedReading& one : readings.heights) {
     if (error.is_stated && !one.by_hand) one.height -= error.value;
   }

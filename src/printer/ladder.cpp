@@ -171,6 +171,9 @@ class Climb {
     return one;
   }
 
+  /// Values that lift a nozzle out of the bed by most of its depth may be advised.
+  double deepest() const { return std::max(options_.rules.deepest, options_.rules.of_saved * found_.saved().depth); }
+
   bool keeps_size(const RungValues& one) const { return one.chance_size <= 1.0 - options_.rules.certain; }
 
   /// Heights that endstops alone leave unprintable, and that this rung levels: no bowed bed looks like that.
@@ -208,7 +211,7 @@ class Climb {
       const bool may_hold = rung == Rung::radius || rung == Rung::towers;
       const bool is_forced = may_hold && must_move_radius(one);
       if (may_hold && !keeps_size(one) && !is_forced) one = with_held_radius(rung, one.geometry.radius);
-      one.is_allowed = one.chance >= options_.rules.certain && one.depth <= options_.rules.deepest &&
+      one.is_allowed = one.chance >= options_.rules.certain && one.depth <= deepest() &&
                        one.first_layer.value <= found_.best().first_layer.value &&
                        (keeps_size(one) || is_forced || one.holds_radius);
       found_.rungs.push_back(one);

@@ -188,7 +188,7 @@ TEST(MarlinConfiguration, IsRefusedWithItsLine) {
              "config.g:1: expected #define DELTA, got it in a comment");
   EXPECT_NO_THROW((void)read_machine_codes({"c", "//#define DELTA\n#define DELTA\n" + std::string(kConfiguration)},
                                            CodeDialect::marlin));
-  is_refused(with("  # define DELTA_HEIGHT 200.25 /* from G33 */", ""), "with H (homed height)");
+  is_refused(with("  # define DELTA_HEIGHT 200.25 /* from G33 */", ""), "with H (homed height");
 }
 
 }  // namespace

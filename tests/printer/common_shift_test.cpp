@@ -198,6 +198,30 @@ TEST(CommonShift, PaperCountsBeforeTheProbe) {
   EXPECT_EQ(trigger_error(printer.saved, printer.readings).places, 0u);
 }
 
+/// A trigger height that varies from place to place: only the paper counts, and the answer says what to do. One trigger
+/// height, or paper that agrees with the probe, is no such thing.
+TEST(CommonShift, AProbeWhoseTriggerVariesDoesNotCount) {
+  for (const double tilt : {0.0, 4e-3}) {
+    VirtualPrinter printer = virtual_printer({.heights = 13, .saved_is_fit = true}, 3);
+    for (const std::size_t k : {0u, 1u, 5u, 9u}) {
+      BedReading paper = printer.readings.heights[k];
+      paper.by_hand = true;
+      printer.readings.heights.push_back(paper);
+    }
+    for (BedReading& one : printer.readings.heights) {
+      if (!one.by_hand) one.height += 0.3 + tilt * nozzle(printer.saved, one.drops)->x();
+    }
+    const TriggerError error = trigger_error(printer.saved, printer.readings);
+    EXPECT_EQ(error.varies, tilt > 0.0) << error.spread;
+    EXPECT_EQ(error.is_stated, tilt == 0.0);
+    const PrinterCalibration found = calibrated(printer, 0.0);
+    EXPECT_EQ(found.advice, PrinterAdvice::keep_saved);
+    if (!error.varies) continue;
+    EXPECT_EQ(by_paper(printer.readings, error).heights.size(), 4u);
+    EXPECT_THAT(found.findings, Contains(StartsWith("The trigger height of the probe varies by ")));
+  }
+}
+
 /// Gross readings make no shift, and hide none.
 TEST(CommonShift, IsNotThatOfGrossReadings) {
   VirtualPrinter printer = virtual_printer({.heights = 41, .saved_is_fit = true}, 5);

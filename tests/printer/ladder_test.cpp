@@ -134,7 +134,7 @@ TEST(Ladder, EachRuleCounts) {
   EXPECT_NE(calibrate_printer(printer.saved, printer.readings, options).ladder.advised, 0u);
   options.rules.certain = 1.1;
   EXPECT_EQ(calibrate_printer(printer.saved, printer.readings, options).ladder.advised, 0u);
-  options.rules = {.deepest = -1.0};
+  options.rules = {.deepest = -1.0, .of_saved = -1.0};
   EXPECT_EQ(calibrate_printer(printer.saved, printer.readings, options).ladder.advised, 0u);
   options.rules = {.size = -1.0};
   const PrinterCalibration found = calibrate_printer(printer.saved, printer.readings, options);

@@ -24,7 +24,8 @@ enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 ///   M666  X Y Z  endstop adjustments, mm: added to the height of the endstops (RepRapFirmware) or subtracted
 ///         (Marlin); for a rotary delta deg, added to the highest angle
 ///
-/// For Marlin also a Configuration.h with the same values as DELTA_... definitions.
+/// For Marlin also a Configuration.h with the same values as DELTA_... definitions, or sums and differences of others.
+/// For RepRapFirmware also its answers to M665 and M666 (Diagonals ..., Endstop adjustments ...) and {global.NAME}.
 ///
 /// With s_i = sqrt(rod_i^2 - R^2) and z_0 the nozzle with all carriages at 0, the endstops of the library's
 /// DeltaGeometry are
@@ -33,9 +34,9 @@ enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 ///
 /// and for a rotary delta those of its homed angles. Other codes are ignored. These codes may also have S and T
 /// (segments) and RepRapFirmware's B (print_radius_of_codes()).
-/// @throws InputFileError for missing or other words, for numbers that are not finite, and for rods that do not reach.
-/// Also for RepRapFirmware's bed tilt (M666 A, B), which is not part of a geometry here, and for implausible values,
-/// such as trims of 85 mm in a file of another firmware.
+/// @throws InputFileError for files of other firmwares, for missing or other words, for numbers that are not finite,
+/// and for rods that do not reach. Also for RepRapFirmware's bed tilt (M666 A, B), which is not part of a geometry
+/// here, and for implausible values, such as trims of 85 mm in a file of another firmware.
 DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect);
 
 /// Radius of the bed by RepRapFirmware's M665 B (for a rotary delta M669 B) or Marlin's PRINTABLE_RADIUS, mm;

@@ -12,6 +12,7 @@ namespace paracal::io {
 ///   from_x_mm,from_y_mm,to_x_mm,to_y_mm,   two commanded print positions, and the distance between them by
 ///   distance_mm, optional z_mm             calliper; z_mm: height of the print there, 0 if not stated
 ///
+/// and heightmap.csv of RepRapFirmware (1 to 3): a height for each probed point of its grid.
 /// @param geometry  of the firmware during the measurements: it gives the joints.
 /// @throws InputFileError for other tables, and for positions that the printer cannot reach.
 DeltaReadings read_printer_table(const TextFile& file, const DeltaGeometry& geometry);

@@ -11,9 +11,12 @@ namespace paracal {
 
 /// When a common shift is stated. Users of printers see 0.05 mm in a first layer.
 struct ShiftLimits {
-  double least = 0.05;       ///< mm
-  double noises = 3.0;       ///< standard deviations of a height
-  double probe = 0.02;       ///< standard deviation of a height, to compare paper and probe, mm
+  double least = 0.05;            ///< mm
+  double noises = 3.0;            ///< standard deviations of a height
+  double varying = 0.15;          ///< difference of trigger heights from place to place that no probe repeats, mm
+  std::size_t fewest = 3;         ///< places of paper that show it,
+  std::size_t fewest_probed = 7;  ///< and of the probe
+  double probe = 0.02;            ///< standard deviation of a height, to compare paper and probe, mm
   std::size_t trimmed = 10;  ///< from so many heights on, the least and the largest are put aside: one may be wrong
 };
 
@@ -40,12 +43,14 @@ CommonShift common_shift(const DeltaGeometry& saved, const DeltaReadings& readin
 /// What a sheet of paper and the probe say of the same places: the paper shows where the nozzle touches.
 struct TriggerError {
   double value = 0.0;      ///< bed by the paper above the bed by the probe, mm; median
+  double spread = 0.0;     ///< of the paper by values that level the probe's heights, mm; 0: no worse than by the saved
   std::size_t places = 0;  ///< with both
-  bool is_stated = false;
+  bool is_stated = false;  ///< one difference explains them
+  bool varies = false;     ///< from place to place: no reading of this probe counts
 };
 TriggerError trigger_error(const DeltaGeometry& saved, const DeltaReadings& readings, const ShiftLimits& limits = {});
 
-/// The readings with heights of the probe that agree with the paper.
+/// The readings with heights of the probe that agree with the paper; without them if their trigger height varies.
 DeltaReadings by_paper(DeltaReadings readings, const TriggerError& error);
 
 /// The geometry for a bed that is higher by `shift`: endstops, and shoulders of a rotary delta, are lower by it.

@@ -44,6 +44,7 @@ struct LadderRules {
   double level = 0.15;           ///< first layer that cannot be printed, mm rms: the radius then follows the heights
   double safe = 0.9;             ///< probability that the nozzle is nowhere deeper than
   double deepest = 0.2;          ///< nozzle below the bed, mm: the thickness of a first layer
+  double of_saved = 0.1;         ///< or this part of the depth with the saved values
   double gross = 6.0;            ///< standard deviations of a reading that is excluded,
   double gross_height = 0.4;     ///< at least, mm
   double gross_distance = 0.5;   ///< at least, mm

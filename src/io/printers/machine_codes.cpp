@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "code_words.hpp"
+#include "controller_text.hpp"
 #include "marlin_configuration.hpp"
 #include "paracal/error.hpp"
 #include "paracal/printer/plausibility.hpp"
@@ -78,7 +79,10 @@ DeltaGeometry linear_delta(const TextFile& file, CodeDialect dialect) {
     for (std::size_t i = 0; i < 3; ++i) geometry.rod[i] += code.number_or(kTrims[i], 0.0);
   }
   geometry.radius = code.number('R', "delta radius");
-  const double homed = code.number('H', "homed height"), shortest = *std::ranges::min_element(geometry.rod);
+  const double homed = code.number('H', dialect == CodeDialect::marlin
+                                            ? "homed height; old versions print none: add the height that G28 shows"
+                                            : "homed height"),
+               shortest = *std::ranges::min_element(geometry.rod);
   if (!(geometry.radius > 0.0) || !(shortest > geometry.radius)) {
     code.fail(fmt::format("expected a delta radius above 0 and rods longer than it, got R {} and L {}", geometry.radius,
                           shortest));
@@ -162,12 +166,13 @@ std::string linear_codes(const DeltaGeometry& geometry, const std::string& rods,
 
 }  // namespace
 
-DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
+DeltaGeometry read_machine_codes(const TextFile& text, CodeDialect dialect) {
   constexpr double kLinearKinematics = 3.0, kRotaryKinematics = 10.0;
   if (dialect == CodeDialect::marlin) {
-    const auto compiled = marlin_configuration(file);
-    return linear_delta(compiled ? compiled->codes : file, dialect);
+    if (const auto compiled = marlin_configuration(text)) return linear_delta(compiled->codes, dialect);
+    return linear_delta(as_machine_codes(text), dialect);
   }
+  const TextFile file = as_machine_codes(text);
   const CodeWords kinematics(file, kRotary, letters_of(kRotary, dialect));
   const double kind = kinematics.number_or('K', kLinearKinematics);
   const bool rotary = kind == kRotaryKinematics;
@@ -177,11 +182,12 @@ DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect) {
   return rotary ? rotary_delta(file, kinematics) : linear_delta(file, dialect);
 }
 
-double print_radius_of_codes(const TextFile& file, CodeDialect dialect) {
+double print_radius_of_codes(const TextFile& text, CodeDialect dialect) {
   if (dialect == CodeDialect::marlin) {
-    const auto compiled = marlin_configuration(file);
+    const auto compiled = marlin_configuration(text);
     return compiled ? compiled->print_radius : 0.0;
   }
+  const TextFile file = as_machine_codes(text);
   const CodeWords linear(file, kLinear, letters_of(kLinear, dialect)),
       rotary(file, kRotary, letters_of(kRotary, dialect));
   return rotary.number_or('B', linear.number_or('B', 0.0));

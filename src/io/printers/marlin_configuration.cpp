@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "controller_text.hpp"
 #include "io/tables/columns.hpp"
 #include "paracal/error.hpp"
 
@@ -64,7 +65,8 @@ std::vector<std::string_view> parts_of(std::string_view value) {
 /// One file, whose definitions come one after the other.
 class Reader {
  public:
-  explicit Reader(const TextFile& file) : found_{.codes = {file.name, {}}} {}
+  /// @param names  what the whole file defines.
+  Reader(const TextFile& file, const SumOfNames& names) : names_(names), found_{.codes = {file.name, {}}} {}
 
   void read(std::string_view name, std::string_view value) {
     ++line_;
@@ -110,7 +112,9 @@ class Reader {
     }
     found_.codes.text.append(key.code);
     for (std::size_t k = 0; k < parts.size(); ++k) {
-      found_.codes.text.append(" ").append(1, key.letters[k]).append(parts[k]);
+      const auto sum = names_.value_of(parts[k]);
+      found_.codes.text.append(" ").append(1, key.letters[k]);
+      found_.codes.text.append(sum ? fmt::format("{}", *sum) : std::string(parts[k]));
     }
   }
 
@@ -121,6 +125,7 @@ class Reader {
         fmt::format("expected one radius for all towers, got {}: set it to 0 and calibrate the printer again", kRadii));
   }
 
+  const SumOfNames& names_;
   MarlinConfiguration found_;
   std::map<std::string, std::pair<std::string, int>, std::less<>> defined_;
   int line_ = 0, on_ = 0, off_ = 0;
@@ -129,8 +134,15 @@ class Reader {
 }  // namespace
 
 std::optional<MarlinConfiguration> marlin_configuration(const TextFile& file) {
-  Reader reader(file);
+  SumOfNames names;
   bool inside_comment = false;
+  for (const std::string_view line : lines_of(file.text)) {
+    const std::string left = without_comments(line, inside_comment);
+    const auto [name, value] = definition(left);
+    names.define(name, value);
+  }
+  Reader reader(file, names);
+  inside_comment = false;
   for (const std::string_view line : lines_of(file.text)) {
     const std::string left = without_comments(line, inside_comment);
     const auto [name, value] = definition(left);
