@@ -32,7 +32,7 @@ const kMarks = {
 const kMarksOf = [
   [/^(residual|normal|validated|parameters|observability)/, "dots", 1],
   [/^(offsets|table|volume|figure\d|tilt)/, "dots", 2], // paper and ours
-  [/^(map|sigma|correlations)/, "cells", 1],
+  [/^(map|sigma|correlations|bed)/, "cells", 1],
   [/^(pareto|global|allocated)/, "bars", 1],
   [/^(batch|machines)/, "rects", 1],
 ];
@@ -195,6 +195,8 @@ for (const kind of ["printer", "keep"]) {
   of(kind, "an owner of a printer is not told what only makers of robots need", async (page) => {
     for (const id of ["poses-needed", "correlations"]) assert.equal(await page.$(`#${id}`), null, `${kind}: ${id}`);
     assert.notEqual(await page.$("#printer"), null);
+    const { printer } = (await dataOf(page)).results.calibration, discs = printer.advice === "accept_new" ? 2 : 1; // the bed before, and after
+    assert.equal(await page.locator("#bed .cell").count(), discs * printer.bed.length);
   });
 }
 
