@@ -306,6 +306,17 @@ TEST(PrinterAdvice, AsksForASecondLength) {
   }
 }
 
+/// Beyond five notes the rest are details.
+TEST(PrinterAdvice, HasAtMostFiveNotes) {
+  VirtualPrinter printer = virtual_printer({.heights = 41}, 5);
+  printer.readings.heights[7].height -= 10.0;
+  printer.saved.rod[0] -= 3.0;
+  const PrinterCalibration found =
+      calibrate_printer(with_bed_higher(printer.saved, -20.0), printer.readings, {.print_radius = printer.radius});
+  EXPECT_EQ(found.findings.size(), 6u);
+  EXPECT_THAT(found.details, Contains(HasSubstr("would settle")));
+}
+
 /// Rods that nobody cuts so are named.
 TEST(PrinterAdvice, NamesRodsThatDiffer) {
   VirtualPrinter printer = virtual_printer({.heights = 13}, 2);
