@@ -266,7 +266,8 @@ TEST(ExportColumns, FilesAreKnownForExports) {
   EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm\nP1,1,2,3\n", true), exported);
   EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm\nP1,1,2,3\n", false), points);  // which says what is missing
   EXPECT_EQ(kind("pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm\n", true), points);
-  EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", true), points);
+  EXPECT_EQ(kind("pose,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", true), exported);
+  EXPECT_EQ(kind("pose,x_cmd_mm,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", true), points);
   EXPECT_EQ(kind("from;to;distance_mm\n", true), distances);
   EXPECT_EQ(kind("pose\theight_mm\n", true), lengths);
 }

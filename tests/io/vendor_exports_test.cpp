@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 #include "paracal/error.hpp"
 #include "paracal/io/measurement_files.hpp"
 #include "paracal/io/points.hpp"
 #include "paracal/io/tables.hpp"
+#include "paracal/units.hpp"
 
 namespace paracal::io::vendor_exports_test {
 namespace {
@@ -119,6 +123,51 @@ TEST(VendorExports, OneLinePerCoordinate) {
   refused(head + "P2,X,4\nP2,Y,5\n", "e.txt:5: expected x, y and z of point P2, got no z");
   refused(head + "P2,X,4\nP2,Y,many\nP2,Z,6\n", "e.txt:5: expected a finite number in column 3 (y), got \"many\"");
   refused("Feature ID,Axis,Nominal\nP1,X,1\nP1,Y,2\nP1,Z,3\n", "expected a header row that names x, y and z");
+}
+
+/// Instrument = rotation * body, as a quaternion or as a product that a comment states.
+TEST(VendorExports, OrientationsOfABody) {
+  const Quaternion turned(std::cos(0.5), 0, 0, std::sin(0.5));  // 1 rad about z
+  const auto orientation = [](const std::string& head, const std::string& numbers) {
+    return read(head + "\nP1;1;2;3;" + numbers + "\nP2;4;5;6;" + numbers + "\n")
+        .series.at(0)
+        .readings.at(0)
+        .orientation;
+  };
+  for (const char* head :
+       {"Name;X [mm];Y [mm];Z [mm];qw;qx;qy;qz", "Name;X [mm];Y [mm];Z [mm];q0;q1;q2;q3",
+        "Name;Position X (mm);Position Y (mm);Position Z (mm);Rotation W;Rotation X;Rotation Y;Rotation Z"}) {
+    ASSERT_TRUE(orientation(head, "0.8775825618903728;0;0;0.479425538604203")) << head;
+    EXPECT_LT(orientation(head, "0.8775825618903728;0;0;0.479425538604203")->angularDistance(turned), 1e-12);
+  }
+  const auto matrix = [&](const std::string& comment, const std::string& columns, const std::string& numbers) {
+    return orientation(comment + "\nName;X [mm];Y [mm];Z [mm];" + columns, numbers)->toRotationMatrix();
+  };
+  const auto about = [](double deg, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(to_radians(deg), axis).toRotationMatrix();
+  };
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const auto is = [](const Eigen::Matrix3d& one, const Eigen::Matrix3d& other) { return (one - other).norm() < 1e-12; };
+  EXPECT_TRUE(
+      is(matrix("# angles: Rz Ry Rx", "rx_deg;ry_deg;rz_deg", "10;20;30"), about(30, z) * about(20, y) * about(10, x)));
+  EXPECT_TRUE(is(matrix("// Angles: R = Rx * Ry * Rz", "Rx [deg];Ry [deg];Rz [deg]", "10;20;30"),
+                 about(10, x) * about(20, y) * about(30, z)));
+  EXPECT_TRUE(is(matrix("# angles: Rz(a) Ry(b) Rx(c)", "A [deg];B [deg];C [deg]", "10;20;30"),
+                 about(10, z) * about(20, y) * about(30, x)));
+  EXPECT_TRUE(is(matrix("# angles: Rz(o) Ry(a) Rz(t)", "O (deg);A (deg);T (deg)", "10;20;30"),
+                 about(10, z) * about(20, y) * about(30, z)));
+  EXPECT_TRUE(is(matrix("# angles: Rx Ry Rz", "rx_rad;ry_rad;rz_rad", "0.1;0;0"), about(to_degrees(0.1), x)));
+
+  const std::string points = "\nP1;1;2;3;10;20;30\n", head = "Name;X [mm];Y [mm];Z [mm];";
+  refused(head + "rx_deg;ry_deg;rz_deg" + points, "with a comment \"# angles: Rz Ry Rx\"");
+  refused("# angles: Euler\n" + head + "rx_deg;ry_deg;rz_deg" + points,
+          "e.txt:1: expected a product of three rotations");
+  refused("# angles: Rz Rz Rx\n" + head + "rx_deg;ry_deg;rz_deg" + points, "got \"rz rz rx\"");
+  refused("# angles: Rz Ry Rx\n" + head + "rx;ry;rz" + points,
+          "e.txt:2: expected one column \"rz [deg]\", rz_deg or rz_rad");
+  refused("# angles: Rz Ry Rx\n" + head + "rx_deg;ry_deg;rz_deg\nP1;1;2;3;10;;30\n",
+          "in column 6 (orientation), got \"\"");
+  refused(head + "qw;qx;qy;qz\nP1;1;2;3;1;1;0;0\n", "expected a unit quaternion, got length 1.41421");
 }
 
 /// A file of no known form is not said to be one of distances.

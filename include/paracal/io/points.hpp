@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,11 +33,19 @@ Measurements read_points(const TextFile& file, const JointSpace& joints = {});
 /// @throws InvalidArgument for no measurements, or a reading without a station.
 Measurements merge(std::vector<Measurements> parts);
 
+/// Where an export states the orientation of a body, instrument = rotation * body.
+struct OrientationColumns {
+  std::vector<std::size_t> columns = {};  ///< from 1: qw, qx, qy, qz; or three angles
+  std::array<int, 3> axes{};              ///< angles: R is the product of rotations about them (0 to 2: x to z)
+  std::array<double, 3> rad_per_unit{};   ///< of the angles
+};
+
 /// Columns of an instrument export. Columns count from 1; 0 is none.
 struct ColumnMap {
   std::size_t name = 0;
   std::size_t x = 0, y = 0, z = 0;
   std::optional<std::size_t> sigma = {};  ///< standard deviation of each coordinate, in the unit of the coordinates
+  std::optional<OrientationColumns> orientation = {};
   double mm_per_unit = 0.0;
   int data_after = 0;             ///< line of a header row: lines up to it are not points
   bool by_order = false;          ///< points are in the order of the poses, once or in several passes

@@ -12,6 +12,7 @@
 #include "export_rows.hpp"
 #include "export_units.hpp"
 #include "io/files/letters.hpp"
+#include "orientation.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal::io {
@@ -96,7 +97,7 @@ std::optional<double> unit_of(const TextFile& file, const HeaderRow& row, const 
 }
 
 /// What a careful reader should know of a header row.
-std::string note_of(const HeaderRow& row, const FieldColumns& columns, const StatedUnit& unit) {
+std::string note_of(const HeaderRow& row, const std::vector<std::size_t>& columns, const StatedUnit& unit) {
   std::vector<std::string> taken, passed;
   for (std::size_t k = 0; k < row.fields.size(); ++k) {
     const bool is_taken = std::ranges::find(columns, k + 1) != columns.end();
@@ -197,13 +198,16 @@ ColumnMap headed(const TextFile& file, const Places& wanted, double stated, bool
   const std::optional<HeaderRow> row = find_header(file, wanted);
   if (!row) refuse_head(file);
   const FieldColumns columns = columns_of(file, *row, by_order);
-  check_others(file, *row, columns, wanted);
-  const StatedUnit unit = unit_of(file, *row, columns, stated);
   ColumnMap map = map_of(columns);
+  map.orientation = orientation_columns(file, *row);
+  std::vector<std::size_t> taken(columns.begin(), columns.end());
+  if (map.orientation) std::ranges::copy(map.orientation->columns, std::back_inserter(taken));
+  check_others(file, *row, taken, wanted);
+  const StatedUnit unit = unit_of(file, *row, columns, stated);
   map.mm_per_unit = unit.mm;
   map.data_after = unit.data_after;
   map.by_order = by_order;
-  map.notes = {note_of(*row, columns, unit)};
+  map.notes = {note_of(*row, taken, unit)};
   return map;
 }
 

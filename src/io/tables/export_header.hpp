@@ -57,10 +57,11 @@ std::optional<HeaderRow> find_header(const TextFile& file, const Places& wanted)
 /// Whether --ignore-columns names it.
 bool is_ignored(const TextFile& file, const std::string& heading);
 
-/// @param taken   from 1; 0: none.
+/// @param taken   from 1.
 /// @param wanted  headings that somebody chose.
 /// @throws InputFileError for numbers in other columns, unless their headings say that they are for people (nominal
 /// values, deviations, dates) or they are to be ignored.
-void check_others(const TextFile& file, const HeaderRow& row, const FieldColumns& taken, const Places& wanted);
+void check_others(const TextFile& file, const HeaderRow& row, const std::vector<std::size_t>& taken,
+                  const Places& wanted);
 
 }  // namespace paracal::io

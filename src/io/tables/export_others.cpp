@@ -51,7 +51,8 @@ bool is_ignored(const TextFile& file, const std::string& heading) {
   return std::ranges::find(file.style.ignored_columns, heading) != file.style.ignored_columns.end();
 }
 
-void check_others(const TextFile& file, const HeaderRow& row, const FieldColumns& taken, const Places& wanted) {
+void check_others(const TextFile& file, const HeaderRow& row, const std::vector<std::size_t>& taken,
+                  const Places& wanted) {
   std::vector<std::string> others;
   for (std::size_t k = 0; k < row.fields.size(); ++k) {
     const auto is_of = [&](std::size_t field) {
@@ -64,10 +65,11 @@ void check_others(const TextFile& file, const HeaderRow& row, const FieldColumns
   if (others.empty()) return;
   throw InputFileError(
       file.name, row.line,
-      fmt::format("expected no column beside name, x, y, z and sigma that could change the result, got \"{}\": state "
-                  "orientations as quaternions (qw, qx, qy, qz), second points and joints in a table of points, or "
-                  "ignore columns with --ignore-columns \"{}\"",
-                  fmt::join(others, "\", \""), fmt::join(others, ",")));
+      fmt::format(
+          "expected no column beside name, x, y, z and sigma that could change the result, got \"{}\": state "
+          "orientations as quaternions (qw, qx, qy, qz), or angles with a comment \"# angles: Rz Ry Rx\", second "
+          "points and joints in a table of points, or ignore columns with --ignore-columns \"{}\"",
+          fmt::join(others, "\", \""), fmt::join(others, ",")));
 }
 
 }  // namespace paracal::io

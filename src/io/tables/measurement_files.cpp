@@ -25,8 +25,8 @@ std::string_view header_of(std::string_view text) {
 
 /// Whether a header has a column of points or distances that no export has.
 bool is_ours(std::string_view header) {
-  constexpr std::array<std::string_view, 8> kOurs{"_cmd_mm", "q1_", "x2_mm", "repeat",
-                                                  "phi_deg", "qw",  "from",  "distance_mm"};
+  constexpr std::array<std::string_view, 7> kOurs{"_cmd_mm", "q1_",  "x2_mm",      "repeat",
+                                                  "phi_deg", "from", "distance_mm"};
   return std::ranges::any_of(kOurs,
                              [&](std::string_view column) { return header.find(column) != std::string_view::npos; });
 }

@@ -9,6 +9,7 @@
 #include "export_fields.hpp"
 #include "export_rows.hpp"
 #include "io/files/utf8.hpp"
+#include "orientation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/decimal_sign.hpp"
 #include "paracal/io/points.hpp"
@@ -22,6 +23,7 @@ struct ExportedPoint {
   std::string name;
   Eigen::Vector3d point;        ///< mm
   std::optional<double> sigma;  ///< mm
+  std::optional<Quaternion> orientation = {};
 };
 
 /// Reads the lines of an export one by one.
@@ -99,7 +101,30 @@ class ExportReader {
     if (places_[0] != 0) point.name = fields[places_[0] - 1];
     if (point.name.empty() && !map_.by_order) fail(fmt::format("expected a name in column {}, got none", places_[0]));
     if (places_[4] != 0) point.sigma = length(fields, 4, plausible::kNoise);
+    if (map_.orientation) point.orientation = orientation(fields, *map_.orientation);
     return point;
+  }
+
+  double plain_number(const std::vector<std::string>& fields, std::size_t column) const {
+    const std::string& text = column <= fields.size() ? fields[column - 1] : std::string();
+    const std::optional<double> value = decimals_.number(text);
+    if (!value) {
+      fail(fmt::format("expected a finite number in column {} (orientation), got \"{}\"{}", column, text,
+                       decimals_.why_not(text)));
+    }
+    return *value;
+  }
+
+  Quaternion orientation(const std::vector<std::string>& fields, const OrientationColumns& of) const {
+    const auto number = [&](std::size_t k) { return plain_number(fields, of.columns[k]); };
+    if (of.columns.size() == 3) {
+      std::array<double, 3> angles{};
+      for (std::size_t k = 0; k < angles.size(); ++k) angles[k] = number(k) * of.rad_per_unit[k];
+      return AngleProduct{of.axes}.of(angles);
+    }
+    const Quaternion read(number(0), number(1), number(2), number(3));
+    if (std::abs(read.norm() - 1.0) <= PointReading::kUnitLength) return read;
+    fail(fmt::format("expected a unit quaternion, got length {:.6g}", read.norm()));
   }
 
   std::string decode(std::string_view line) {
@@ -168,6 +193,12 @@ double spread(const std::vector<ExportedPoint>& points, std::size_t block, std::
   return sum;
 }
 
+PointReading reading_of(const ExportedPoint& point, std::size_t station) {
+  PointReading reading{.station = station, .point = point.point, .sigma = point.sigma};
+  reading.orientation = point.orientation;
+  return reading;
+}
+
 /// Points in the order of the poses, once or in several passes over all poses.
 void add_by_order(SeriesBuilder& series, const std::string& file, const std::vector<ExportedPoint>& points,
                   const std::vector<Station>& poses) {
@@ -189,8 +220,7 @@ void add_by_order(SeriesBuilder& series, const std::string& file, const std::vec
                           passes_text, count));
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t station = k % count;
-    series.add(points[k].line, poses[station].name,
-               {.station = station, .point = points[k].point, .sigma = points[k].sigma});
+    series.add(points[k].line, poses[station].name, reading_of(points[k], station));
   }
 }
 
@@ -213,7 +243,7 @@ void add_by_name(SeriesBuilder& series, const std::string& file, const std::vect
       continue;
     }
     is_measured[place->second] = true;
-    series.add(point.line, point.name, {.station = place->second, .point = point.point, .sigma = point.sigma});
+    series.add(point.line, point.name, reading_of(point, place->second));
   }
   if (series.is_empty()) {
     throw InputFileError(
