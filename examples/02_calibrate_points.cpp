@@ -40,5 +40,5 @@ int main() {
   std::printf("validation: largest error of distances to home %.3f mm before, %.3f mm after; limit 0.1 mm: %s\n",
               validation.before.max_abs_distance, validation.after.max_abs_distance,
               name(validation.checks.front().conformity).data());
-  return validation.accepted ? 0 : 1;
+  return validation.accepted.value_or(false) ? 0 : 1;
 }

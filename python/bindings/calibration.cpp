@@ -78,8 +78,7 @@ std::string validated(const KnownMachine& machine, const GivenMeasurements& give
   const Measurements readings = controller ? commanded_by(*controller, given.readings) : given.readings;
   Validation found = validate(machine.robot, machine.known, readings, options);
   for (const std::string& file : io::used_before(machine.inputs, given.readings, given.tables)) {
-    found.accepted = false;
-    found.reasons.push_back(io::confirms_nothing(file));
+    found.refuse(io::confirms_nothing(file));
   }
   return io::to_json(found).dump(-1, ' ', false, io::Json::error_handler_t::replace);
 }

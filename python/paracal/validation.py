@@ -24,14 +24,14 @@ class Validation:
         self._found: dict[str, Any] = json.loads(text)
 
     @property
-    def accepted(self) -> bool:
-        """True: all limits are kept, also with the uncertainty. Without limits: the errors are
-        smaller than before by more than their uncertainty."""
-        return bool(self._found["accepted"])
+    def accepted(self) -> bool | None:
+        """True: all limits are kept, also with the uncertainty. None: no limit is set."""
+        accepted: bool | None = self._found["accepted"]
+        return accepted
 
     @property
     def reasons(self) -> list[str]:
-        """Why the validation was not accepted."""
+        """Why the validation was not accepted. Without a limit: what speaks against the calibration."""
         return list(self._found["reasons"])
 
     @property
@@ -91,10 +91,14 @@ class Validation:
         return flat
 
     def __repr__(self) -> str:
-        return f"<paracal.Validation: {'accepted' if self.accepted else 'not accepted'}>"
+        return f"<paracal.Validation: {self._verdict()}>"
+
+    def _verdict(self) -> str:
+        if self.accepted is None:
+            return "no limit is set"
+        return "accepted" if self.accepted else "not accepted"
 
     def _repr_html_(self) -> str:
-        verdict = "accepted" if self.accepted else "not accepted"
         rows = [[key, value, self.after.get(key)] for key, value in self.before.items()]
         checks = [
             [one[key] for key in ("quantity", "error", "U", "at_least", "limit", "conformity")]
@@ -102,8 +106,8 @@ class Validation:
         ]
         return "".join(
             [
-                _html.heading(f"validation: {verdict}"),
-                _html.items("because", self.reasons),
+                _html.heading(f"validation: {self._verdict()}"),
+                _html.items("against it" if self.accepted is None else "because", self.reasons),
                 _html.items("note", self.notes),
                 _html.table(["largest error", "before", "after"], rows),
                 _html.table(["quantity", "error", "U", "at least", "limit", ""], checks)
@@ -168,8 +172,8 @@ def validate(
         sigma_known: the given standard deviations are known, as the program takes them if they are
             given.
 
-    Raises InvalidArgument for invalid or too few measurements, Unreachable as calibrate(). With
-    measurements that the calibration has used, the validation is not accepted.
+    Raises InvalidArgument for invalid or too few measurements, Unreachable as calibrate(). Without
+    a limit there is no verdict. Measurements that the calibration has used stand in `reasons`.
     """
     given = {
         key: value for key, value in locals().items() if key not in ("machine", "measurements")

@@ -293,8 +293,9 @@ class Virtual(TestCase):
         measured = pc.read_measurements(table, robot=self.virtual.robot)
         calibration = pc.calibrate(self.virtual.robot, measured)
         validation = pc.validate(calibration, measured)
-        self.assertFalse(validation.accepted)
+        self.assertIsNone(validation.accepted)
         self.assertIn("cannot confirm it", validation.reasons[-1])
+        self.assertIs(pc.validate(calibration, measured, limit_mm=50.0).accepted, False)
 
     def test_predictions_hold_the_truth(self):
         robot = self.virtual.robot

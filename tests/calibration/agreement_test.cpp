@@ -111,17 +111,17 @@ TEST_P(AgreementLaw, AChangedMachineIsTold) {
   const Validation validation = validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}));
   ASSERT_TRUE(validation.agreement);
   EXPECT_TRUE(validation.agreement->contradicts());
-  EXPECT_FALSE(validation.accepted);
+  EXPECT_FALSE(validation.accepted.has_value());
   EXPECT_THAT(validation.reasons, Contains(HasSubstr("differ from the predictions")));
   // Within limits that it keeps for certain it is accepted all the same, and a note says what is wrong.
   const Validation limited =
       validate(robot, known, points(3, {.noise = kNoise, .repeats = 3}), {.limits = {.distance = 50.0}});
-  EXPECT_TRUE(limited.accepted);
+  EXPECT_EQ(limited.accepted, true);
   EXPECT_THAT(limited.notes, ElementsAre(HasSubstr("differ from the predictions")));
   if (!robot.slide()) return;
   const Validation turned = validate(robot, known, points(3, {.noise = kNoise, .repeats = 3, .reads_rotation = true}),
                                      {.limits = {.rotation = 1.0}});
-  EXPECT_FALSE(turned.accepted) << "a limit on rotations says nothing of positions";
+  EXPECT_EQ(turned.accepted, false) << "a limit on rotations says nothing of positions";
 }
 
 /// Joints that stand elsewhere at each pose contradict a calibration that knows of none, not one that states them.
@@ -241,7 +241,7 @@ TEST_P(AgreementLaw, LimitsNeedReadingsOfTheirKind) {
               ElementsAre(HasSubstr("got only heights"), HasSubstr("expected points")));
   EXPECT_THAT(validate(robot, known, distances, limits).reasons, ElementsAre(HasSubstr("expected points")));
   const Validation kept = validate(robot, known, distances, {.scale_std = 0.0, .limits = {.distance = 0.5}});
-  EXPECT_TRUE(kept.accepted);
+  EXPECT_EQ(kept.accepted, true);
   EXPECT_EQ(kept.checks[0].uncertainty, 2.0 * NoiseModel{}.distance);
   // The instrument may count the longest longer or shorter, and all of them by as much.
   const double longest = std::ranges::max(distances.distances, {}, &DistanceReading::distance).distance;
@@ -270,7 +270,7 @@ TEST_P(AgreementLaw, RotationsReadWithDistancesCount) {
   EXPECT_GT(*validation.before.max_abs_rotation, 10.0 * *validation.after.max_abs_rotation);
   ASSERT_EQ(validation.checks.size(), 1u);
   EXPECT_EQ(validation.checks[0].uncertainty, 2.0 * 2e-3);
-  EXPECT_TRUE(validation.accepted);
+  EXPECT_EQ(validation.accepted, true);
 }
 
 TEST_P(AgreementLaw, WithoutLimitsTheGainMustBeMeasurable) {

@@ -506,13 +506,13 @@ TEST_P(TemplateLaw, ACalibratedMachineIsValidated) {
   const ValidationOptions stated{.noise = {.body = 0.02, .rotation = to_radians(0.01)}};
   const Validation sound =
       validate(robot, known_errors(found), simulate(robot, truth, other, instrument, stream), stated);
-  EXPECT_TRUE(sound.accepted);
+  EXPECT_THAT(sound.reasons, testing::IsEmpty());
   EXPECT_LT(sound.after.max_volumetric_aligned, 0.2);
   EXPECT_GT(sound.before.max_volumetric_aligned, 2.0 * sound.after.max_volumetric_aligned);
   SourceErrors knocked = truth;
   knocked(2, "plate_y") += 2.0;
-  EXPECT_FALSE(
-      validate(robot, known_errors(found), simulate(robot, knocked, other, instrument, stream), stated).accepted);
+  EXPECT_FALSE(validate(robot, known_errors(found), simulate(robot, knocked, other, instrument, stream), stated)
+                   .reasons.empty());
 }
 
 /// Where struts hold the plate in two ways, the one that was commanded is meant: readings and fits of a plate tilted by

@@ -447,7 +447,7 @@ export interface CommonShift {
   position_endstop_mm: Vector;
 }
 export interface Validation {
-  accepted: boolean;
+  accepted: boolean | null;
   reasons: string[];
   before: ErrorSummary;
   after: ErrorSummary;

@@ -29,7 +29,7 @@ void run(const ValidatingOptions& options, Session& session) {
     stations = measurements.stations;
     if (options.own(machine, measurements).empty()) {
       const Validation validation = validate(robot, known, measurements, options.options(read, robot));
-      if (!validation.accepted) session.exit_code = kVerdictIsNo;
+      if (validation.accepted == false) session.exit_code = kVerdictIsNo;
       content.results["validation"] = io::to_json(validation);
       arrows = report::measured_arrows(validation);
     }

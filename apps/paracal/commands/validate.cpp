@@ -14,9 +14,13 @@ namespace paracal::app {
 namespace {
 
 std::string text_of(const Validation& validation) {
-  std::string text = fmt::format("validation: {}\n", validation.accepted ? "accepted" : "not accepted");
+  const bool has_verdict = validation.accepted.has_value();
+  std::string text = !has_verdict ? "validation: no verdict, because no limit is set (--limit-mm)\n"
+                                  : fmt::format("validation: {}\n", *validation.accepted ? "accepted" : "not accepted");
   const auto out = std::back_inserter(text);
-  for (const std::string& reason : validation.reasons) fmt::format_to(out, "  because {}\n", reason);
+  for (const std::string& reason : validation.reasons) {
+    fmt::format_to(out, "  {} {}\n", has_verdict ? "because" : "against the calibration:", reason);
+  }
   for (const std::string& note : validation.notes) fmt::format_to(out, "  note: {}\n", note);
   text += assumed_lines(validation.assumed);
   if (validation.agreement) {
@@ -76,8 +80,7 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   const Measurements& measurements = read.measurements;
   Validation validation = validate(robot, known, measurements, options.options(read, robot));
   for (const std::string& own : options.own(machine, measurements)) {
-    validation.accepted = false;
-    validation.reasons.push_back(io::confirms_nothing(own));
+    validation.refuse(io::confirms_nothing(own));
   }
   const io::Json json = io::to_json(validation);
   if (!report.empty()) {
@@ -91,12 +94,12 @@ void run(const ValidatingOptions& options, const std::string& report, Session& s
   }
   if (session.json()) {
     session.print_json(json);
-  } else if (session.out().empty()) {
-    session.print_verdict(text_of(validation), validation.accepted);
+  } else if (validation.accepted && session.out().empty()) {
+    session.print_verdict(text_of(validation), *validation.accepted);
   } else {
     session.print(text_of(validation));
   }
-  if (!validation.accepted) session.exit_code = kVerdictIsNo;
+  if (validation.accepted == false) session.exit_code = kVerdictIsNo;
 }
 
 }  // namespace

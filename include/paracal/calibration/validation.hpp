@@ -112,12 +112,18 @@ struct [[nodiscard]] Validation {
   std::optional<Agreement> agreement;
   Iso9283 iso9283;
   std::vector<LimitCheck> checks;  ///< of the errors after calibration
-  /// All limits are met, uncertainty included. Without limits: the readings agree with the calibration, and the
-  /// largest aligned error (distance or length error without points) decreased by more than its uncertainty.
-  bool accepted = false;
-  std::vector<std::string> reasons;       ///< why it is not accepted
+  /// Whether all limits are met, uncertainty included. Empty without limits: figures and no verdict.
+  std::optional<bool> accepted = {};
+  /// Why it is not accepted. Without limits, what speaks against the calibration: the readings do not agree with it, or
+  /// the largest aligned error (distance or length error without points) did not decrease by more than its uncertainty.
+  std::vector<std::string> reasons;
   std::vector<std::string> notes;         ///< remarks on the result
   std::vector<std::string> assumed = {};  ///< assumed values (not read and not stated)
+
+  void refuse(std::string reason) {
+    reasons.push_back(std::move(reason));
+    if (accepted) accepted = false;
+  }
 };
 
 /// Checks a calibration against measurements it has not used.

@@ -215,7 +215,7 @@ void check_limits(const Measurements& measurements, const ValidationOptions& opt
     const bool are_held = options.limits.distance || options.limits.volumetric;
     (are_held ? validation.notes : validation.reasons).push_back(std::move(text));
   }
-  validation.accepted = validation.reasons.empty();
+  if (options.limits.any()) validation.accepted = validation.reasons.empty();
 }
 
 }  // namespace paracal::detail

@@ -137,10 +137,8 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
   Validation validation = judged(robot, known, measurements, options);
   validation.assumed = controller_assumptions(with_readings(options.controller, measurements), robot);
   if (const auto mount = likelier_mount(robot, known, measurements, options, validation.after.max_orientation)) {
-    validation.accepted = false;
-    validation.reasons.insert(
-        validation.reasons.begin(),
-        fmt::format("the readings match a body with --reflectors {}: use that option", name(*mount)));
+    validation.refuse(fmt::format("the readings match a body with --reflectors {}: use that option", name(*mount)));
+    std::rotate(validation.reasons.begin(), std::prev(validation.reasons.end()), validation.reasons.end());  // first
   }
   return validation;
 }

@@ -166,8 +166,8 @@ struct List<Validation> {
   }
 
   static void fields(auto&& field) {
-    field("accepted", &Of::accepted, "true: the validation meets all criteria");
-    field("reasons", &Of::reasons, "why it is not accepted");
+    field("accepted", &Of::accepted, "true: all limits are met, uncertainty included; null: no limit is set");
+    field("reasons", &Of::reasons, "why it is not accepted; without a limit: what speaks against the calibration");
     field("before", &Of::before, "measured against commanded");
     field("after", &Of::after, "measured against what the calibrated model predicts");
     field("iso9283", &Of::iso9283, "");

@@ -84,9 +84,10 @@ export function ofValidation(validation: Validation, map: ErrorMap | undefined, 
     const [error, least, most] = [check.error, check.at_least, check.error + check.U].map((value) => fixed(inUnit(check.quantity, value), decimals)) as [string, string, string];
     return card(text.checked(check.quantity.replace(/, (rad|mm)$/, "")), [error, unitOf(unit)], [text.check(least, most, digits(inUnit(check.quantity, check.limit)), unit, check.conformity)]);
   });
+  const yes = validation.accepted ?? validation.reasons.length === 0;
   return {
-    yes: validation.accepted,
-    says: validation.accepted ? (limited ? text.yes.validation : text.improved) : limited ? text.no.validation : text.no.improved,
+    yes,
+    says: yes ? (limited ? text.yes.validation : text.improved) : limited ? text.no.validation : text.no.improved,
     sentence: text.validation(validation.poses.length, validation.readings.length),
     reasons: validation.reasons,
     cards: [
