@@ -231,7 +231,6 @@ class Advisor {
   }
 
   std::string what_is_wanted() const {
-    const LadderRules rules;
     const auto next = std::ranges::find_if(ladder().rungs.begin() + static_cast<std::ptrdiff_t>(ladder().advised) + 1,
                                            ladder().rungs.end(), [](const RungValues& one) { return !one.is_allowed; });
     const bool holds = std::ranges::any_of(ladder().rungs, &RungValues::holds_radius);

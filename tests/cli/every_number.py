@@ -105,8 +105,8 @@ READ_OF_A_CALIBRATION = (
 )
 ACCEPTED = (
     Accepted("*.json", f"(?!({READ_OF_A_CALIBRATION})$).*", "what a fit reports besides, which no command reads again", LARGE),
-    Accepted("*.json", r"(\.\.)?(text|file|sha256|program|build|name|assumed|notes|reasons|source|series|reading|lines|findings|likely_causes|bound)", "within a text"),
-    Accepted("*.json", "noise_dof|readings|degrees_of_freedom", "a count", ("1e8",)),
+    Accepted("*.json", r"(\.\.)?(text|file|sha256|program|build|name|assumed|notes|reasons|source|series|reading|lines|findings|likely_causes|bound|details|needs|advice|rung)", "within a text"),
+    Accepted("*.json", "noise_dof|readings|degrees_of_freedom|rank", "a count", ("1e8",)),
     Accepted("*", "options", "within a text"),
     Accepted("tracker.txt|export.csv", "line|column 6", "a field that is no column asked for"),
     Accepted("problem.toml|strut_problem.toml", r"cost\..*\.(A|B|cost|grade)", "a cost, in any money", ("1e8", "-1e8")),

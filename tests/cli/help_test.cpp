@@ -120,7 +120,7 @@ TEST(Colours, OfACalibrationMarkItsVerdict) {
   folder.make({"poses --stage rough --out plan.csv", "simulate --poses plan.csv --frame random --out points.csv",
                "calibrate --measurements points.csv --out calibration.json"});
   const std::string rejected = shown("validate --calibration " + (folder.path() / "calibration.json").string() +
-                                         " --measurements " + (folder.path() / "points.csv").string(),
+                                         " --measurements " + (folder.path() / "points.csv").string() + " --limit-mm 1",
                                      {"TERM=xterm"});
   EXPECT_THAT(rejected, StartsWith("\x1b[1m\x1b[31mvalidation: not accepted\x1b[0m"));
 }

@@ -124,6 +124,7 @@ Eigen::MatrixXd DrawnMachines::dealt(Eigen::Index pose, Eigen::Index poses) cons
 std::vector<double> DrawnMachines::largest(const PoseQuantity& quantity,
                                            const std::vector<Eigen::VectorXd>& joint_std) const {
   std::vector<Largest> all;
+  all.reserve(joint_std.size());
   for (const Eigen::VectorXd& one : joint_std) all.emplace_back(quantity, one);
   const Eigen::Index rows = quantity.coordinates, poses = quantity.by_errors.rows() / rows;
   std::vector<Eigen::Index> order(static_cast<std::size_t>(poses));
@@ -151,6 +152,7 @@ std::vector<double> DrawnMachines::largest(const PoseQuantity& quantity,
     for (Largest& one : all) neglected = one.may_neglect(left) && neglected;
   }
   std::vector<double> exceeded;
+  exceeded.reserve(all.size());
   for (const Largest& one : all) exceeded.push_back(one.exceeded());
   return exceeded;
 }

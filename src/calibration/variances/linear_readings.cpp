@@ -131,6 +131,7 @@ std::vector<ByJoints> by_poses(const LinearReadings& all) {
     if (one.by_from_joint.size() > 0) poses[one.from].add(all.first[k], one.by_from_joint);
   }
   std::vector<ByJoints> list;
+  list.reserve(poses.size());
   for (auto& [pose, one] : poses) list.push_back(std::move(one));
   return list;
 }

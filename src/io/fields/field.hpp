@@ -86,8 +86,10 @@ template <typename Struct>
 Json stored_object(const Struct& object) {
   Json json = Json::object();
   const auto add = [&]<typename T>(std::string_view key, const T& value, const Form& form) {
-    if constexpr (is_optional<T> || std::same_as<T, double>) {
+    if constexpr (is_optional<T>) {
       if (form.may_lack && !value) return;
+    } else if constexpr (std::same_as<T, double>) {
+      if (form.may_lack && value == 0.0) return;
     }
     json.emplace(std::string(key), stored(value, form));
   };

@@ -14,7 +14,8 @@ namespace paracal::io {
 bool is_utf8(std::string_view text);
 
 /// The text with every byte that is no UTF-8 as the character of Windows-1252, which programs without Unicode write (of
-/// Latin-1 it has every letter). A byte that it does not have is shown as \x81: what a message, a name and JSON can hold.
+/// Latin-1 it has every letter). A byte that it does not have is shown as \x81: what a message, a name and JSON can
+/// hold.
 std::string with_other_bytes_decoded(std::string_view text);
 
 /// The note of a table in which that was done.

@@ -277,6 +277,7 @@ KlipperDelta read_klipper(const TextFile& file) {
   }
   printer.readings = readings_of(settings, printer.geometry, printer.step_size);
   if (settings.find("printer", "print_radius")) printer.print_radius = positive(settings, "printer", "print_radius");
+  if (settings.find("delta_calibrate", "radius")) (void)positive(settings, "delta_calibrate", "radius");  // refuses nan
   return printer;
 }
 
