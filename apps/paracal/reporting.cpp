@@ -92,7 +92,7 @@ void add_error_map(const Robot& robot, const KnownErrors& known, ReportContent& 
 CalibrationPage page_of(const Calibration& calibration, const Measurements& measurements) {
   CalibrationPage page{.arrows = report::measured_arrows(calibration, measurements), .map = calibration.accepted()};
   if (!page.arrows.empty() || !calibration.accepted()) return page;
-  page.arrows = report::predicted_arrows(calibration.robot, known_errors(calibration).errors, measurements.stations);
+  page.arrows = report::predicted_arrows(calibration.robot, calibration.errors(), measurements.stations);
   if (!measurements.lengths.empty()) level(page.arrows);
   return page;
 }

@@ -172,8 +172,12 @@ SourceErrors Session::read_errors(const Robot& robot, const std::string& errors_
   return errors;
 }
 
-Machine Session::machine_as_built(const Robot& robot, const std::string& errors_file) {
-  return errors_file.empty() ? robot.nominal() : build(robot, read_errors(robot, errors_file));
+MachineAsBuilt Session::machine_as_built(const Robot& robot, const std::string& errors_file) {
+  if (errors_file.empty()) return {robot.nominal()};
+  if (!is_calibration(errors_file)) return {build(robot, read_errors(robot, errors_file))};
+  const KnownErrors known = io::read_calibration(calibration_file(errors_file), robot).known();
+  forget_calibration(errors_file);
+  return {build(robot, known.errors), known.drives()};
 }
 
 std::string pose_text(const Station& station) {

@@ -13,6 +13,7 @@
 #include "inputs.hpp"
 #include "jobs/ranks.hpp"
 #include "outputs.hpp"
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/file.hpp"
 #include "paracal/io/json.hpp"
@@ -71,6 +72,12 @@ std::string shell_word(std::string_view word);
 std::string shell_line(const std::vector<std::string>& arguments);
 
 /// What all commands share: the common options and where results go.
+/// A machine, and where its drives bring its joints.
+struct MachineAsBuilt {
+  Machine machine;
+  DriveCurves drives = {};
+};
+
 class Session {
  public:
   /// @param ranks  that compute long jobs; each of them runs the command, and the first one writes.
@@ -95,8 +102,9 @@ class Session {
   void forget_calibration(const std::string& name) { calibrations_.erase(name); }
   /// Source errors of a file: source errors (TOML) or a calibration (JSON).
   SourceErrors read_errors(const Robot& robot, const std::string& errors_file);
-  /// Machine that --errors describes, as read_errors(); the nominal one without a file.
-  Machine machine_as_built(const Robot& robot, const std::string& errors_file);
+  /// Machine that --errors describes, as read_errors(), with the drives of a calibration; the nominal one without a
+  /// file.
+  MachineAsBuilt machine_as_built(const Robot& robot, const std::string& errors_file);
 
   bool json() const { return json_; }
   const std::string& out() const { return out_; }

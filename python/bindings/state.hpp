@@ -59,7 +59,8 @@ PARACAL_FIELDS(SourceSelector, source, limb)
 PARACAL_FIELDS(CommonError, text, direction, std)
 PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
 PARACAL_FIELDS(ControllerModel, evidence, source, robot)
-PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances)
+PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances, least_gain_of_drives)
+PARACAL_FIELDS(OmittedPoses, rigid, with_drives, poses)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, reflector_is_at_centre,
                rotation_zero, reflectors, tolerances, common, expected, plane_slope, plane_curvature, scale_std,
                discrepancies, seeks_discrepancies, largest_doubt, noise_to_tell, tell_chance, limits, states_use, fixed,
@@ -67,7 +68,7 @@ PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, 
                largest_use_ratio, exclude_outliers, diagnose, controller)
 PARACAL_FIELDS(SplineKnot, centre, spacing)
 PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)
-PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, data_share, dof, held)
+PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, with_drives, data_share, dof, held)
 PARACAL_FIELDS(Component, cause, text, probability, told)
 PARACAL_FIELDS(UseQuantity, U, limit)
 PARACAL_FIELDS(Use, distance, aligned, rotation)
@@ -86,10 +87,10 @@ PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric,
                reads_distances, rms_lengths, rms_joints, max_abs_rotation, max_orientation)
 PARACAL_FIELDS(InputFile, name, sha256)
 PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
-               noise_dof, joint_std, visit_std, drives, drive_covariance, components, use, use_mean, rank, null_space,
-               stages, before, after, readings, distances, points, lengths, suspects, frames, set_ups, distance_bias,
-               distance_bias_std, degrees_of_freedom, unit_weight_std, fit_probability, noise, orientation_noise,
-               chance, options, files)
+               noise_dof, joint_std, visit_std, drives, drive_covariance, drive_sizes, omitted_poses, components, use,
+               use_mean, rank, null_space, stages, before, after, readings, distances, points, lengths, suspects,
+               frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom, unit_weight_std, fit_probability,
+               noise, orientation_noise, chance, options, files)
 PARACAL_FIELDS(Pose, position, rotation, tilt)
 PARACAL_FIELDS(Station, name, commanded, believed, stated_in)
 PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)
@@ -99,7 +100,8 @@ PARACAL_FIELDS(LengthReading, station, length, sigma)
 PARACAL_FIELDS(LengthSeries, name, kind, readings, at)
 PARACAL_FIELDS(Measurements, stations, distances, series, lengths, files, notes)
 PARACAL_FIELDS(io::RobotStatement, robot, by, line, robot_file)
-PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std, visit_std)
+PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std, visit_std,
+               drive_sizes)
 PARACAL_FIELDS(GivenMeasurements, readings, stated, tables)
 PARACAL_FIELDS(KnownMachine, robot, known, inputs, controller)
 #undef PARACAL_FIELDS

@@ -1,11 +1,15 @@
 #include "paracal/compensation/pose_correction.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
 
+#include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_error.hpp"
 #include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
+#include "paracal/kinematics/forward.hpp"
 #include "paracal/kinematics/inverse.hpp"
 
 namespace paracal {
@@ -19,13 +23,13 @@ CompensationStatus status_of(InverseStatus status) {
 using JointFinder = std::function<CorrectedPose(const Pose& wanted)>;
 
 /// As `inverse --errors` has them.
-JointFinder exact_joints(const Machine& actual) {
+JointFinder exact_joints(const Machine& actual, const DriveCurves& drives) {
   return [=](const Pose& wanted) {
     CorrectedPose found{.status = CompensationStatus::not_finite, .joints = {}};
     if (!wanted.position.allFinite() || !wanted.tilt.allFinite() || !std::isfinite(wanted.rotation)) return found;
     const InverseResult solution = inverse(actual, wanted);
     found.status = status_of(solution.status);
-    found.joints = solution.joints;
+    found.joints = found.status == CompensationStatus::ok ? drives.commanded(solution.joints) : solution.joints;
     found.tilt = {solution.tilt.x(), solution.tilt.y(), solution.tilt.z()};
     return found;
   };
@@ -66,7 +70,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   }
   const Machine actual = build(robot, known.errors);
   const JointFinder find_joints =
-      way == CompensationWay::exact ? exact_joints(actual) : linear_joints(robot, known.errors, way);
+      way == CompensationWay::exact ? exact_joints(actual, known.drives()) : linear_joints(robot, known.errors, way);
   const UncertaintyFinder find_uncertainty = uncertainty_of(actual, known);
   return [=](const Pose& wanted) {
     CorrectedPose found = find_joints(wanted);
@@ -75,6 +79,24 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
     found.uncertainty = find_uncertainty(wanted, found.joints);
     return found;
   };
+}
+
+double loss_without_drives(const Robot& robot, const KnownErrors& with_drives, const SourceErrors& rigid) {
+  const DriveCurves drives = with_drives.drives();
+  if (drives.are_even()) return 0.0;
+  const Machine held = build(robot, rigid), actual = build(robot, with_drives.errors);
+  std::vector<PosePair> pairs;
+  for (const Station& station : workspace_stations(robot)) {
+    const InverseResult commanded = inverse(held, station.commanded);
+    if (!commanded.ok()) continue;
+    const ForwardResult reached = forward(actual, drives.actual(commanded.joints));
+    if (reached.usable()) pairs.push_back({station.commanded, pose_of(actual, reached.plate)});
+  }
+  double largest = 0.0;
+  for (const PosePair& pair : pairs) {
+    largest = std::max(largest, std::abs(error_relative_to(pairs.front(), pair).distance));
+  }
+  return largest;
 }
 
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 #include <vector>
 
 #include "paracal/compensation/parameters.hpp"
@@ -18,8 +19,8 @@ namespace {
 
 /// Of a plate that stays level: the machine's parameters with the controller's robot as the nominal one.
 std::optional<CompensatorParameters<double>> level_parameters(const Robot& robot, const SourceErrors& errors,
-                                                              const Robot& controller) {
-  if (!robot.is_level()) return std::nullopt;
+                                                              const Robot& controller, const DriveCurves& drives) {
+  if (!robot.is_level() || !drives.are_even()) return std::nullopt;
   CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
   parameters.nominal = compensator_parameters(controller, {}).nominal;
   return parameters;
@@ -30,15 +31,17 @@ std::optional<CompensatorParameters<double>> level_parameters(const Robot& robot
 TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors)
     : TargetCorrection(robot, errors, robot) {}
 
-TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller)
+TargetCorrection::TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller,
+                                   DriveCurves drives)
     : robot_(robot),
       controller_(controller),
       machine_(build(robot, errors)),
-      level_(level_parameters(robot, errors, controller)) {}
+      drives_(std::move(drives)),
+      level_(level_parameters(robot, errors, controller, drives_)) {}
 
 std::optional<Joints> TargetCorrection::joints(const Pose& wanted) const {
   const InverseResult found = inverse(machine_, wanted);
-  return found.ok() ? std::optional(found.joints) : std::nullopt;
+  return found.ok() ? std::optional(drives_.commanded(found.joints)) : std::nullopt;
 }
 
 std::optional<Pose> TargetCorrection::target(const Pose& wanted) const {

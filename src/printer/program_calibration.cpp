@@ -59,7 +59,7 @@ Eigen::MatrixXd covariance_above_bed(const PrinterMachine& printer, const Calibr
   const Eigen::MatrixXd& of_bed = calibration.set_ups.front().covariance;
   const Eigen::Index n = std::ssize(calibration.parameters);
   Eigen::MatrixXd both(3 + n, 3 + n), by(n, 3 + n);
-  both << of_bed, of_bed.rightCols(n).transpose(), known_errors(calibration).expanded_covariance();
+  both << of_bed, of_bed.rightCols(n).transpose(), rigid_errors(calibration).expanded_covariance();
   by.rightCols(n).setIdentity();
   const Eigen::Vector3d level(printer.bed, 0.0, 0.0);
   for (Eigen::Index k = 0; k < 3; ++k) {

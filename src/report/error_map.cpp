@@ -20,11 +20,17 @@ std::vector<Station> stations_of(const Robot& robot) {
   return stations;
 }
 
-std::vector<PosePair> driven(const Robot& robot, const SourceErrors& errors, const std::vector<Station>& stations) {
-  const Machine machine = build(robot, errors);
+std::vector<PosePair> driven(const Robot& robot, const KnownErrors& known, const std::vector<Station>& stations) {
+  const Machine machine = build(robot, known.errors);
+  const bool even = known.drives().are_even();
   std::vector<PosePair> pairs;
   pairs.reserve(stations.size());
-  for (const auto& [name, commanded, believed, stated_in] : stations) {
+  for (const Station& station : stations) {
+    const Pose& commanded = station.commanded;
+    if (!even) {
+      pairs.push_back({commanded, predict(robot, known, believed_joints(robot, station)).pose});
+      continue;
+    }
     const auto plate = drive(machine, robot.nominal(), commanded);
     if (!plate) throw Unreachable("the calibrated machine cannot reach every pose of its workspace");
     pairs.push_back({commanded, pose_of(machine, *plate)});
@@ -45,7 +51,7 @@ RigidMotion alignment(const std::vector<PosePair>& pairs) {
 
 io::Json error_map(const Robot& robot, const KnownErrors& known) {
   const std::vector<Station> stations = stations_of(robot);
-  const std::vector<PosePair> pairs = driven(robot, known.errors, stations);
+  const std::vector<PosePair> pairs = driven(robot, known, stations);
   const RigidMotion aligned = alignment(pairs);
   std::vector<PoseStd> spread;
   if (known.covariance.size() > 0) {

@@ -33,7 +33,7 @@ class ValidationLaw : public test::EveryRobot {
 
 /// With perfect readings the aligned and distance errors are those between the true and the calibrated machine.
 TEST_P(ValidationLaw, AfterIsTrueAgainstCalibratedMachine) {
-  const Validation validation = validate(robot, known_errors(calibration), held_out({}));
+  const Validation validation = validate(robot, rigid_errors(calibration), held_out({}));
   const PoseErrorSummary expected =
       test::held_out_errors(robot, machine.errors, calibration.errors(), validation_stations(robot));
   EXPECT_NEAR(validation.after.max_abs_distance, expected.max_abs_distance, 1e-9);

@@ -178,8 +178,9 @@ Eigen::Index held_readings(const Robot& robot, const Calibration& found, const M
   options.noise.rotation = found.orientation_noise.value();
   options.noise_is_known = true;
   options.scale_std = 0.0;
-  const detail::Placement placed(robot, readings, options, known.errors);
-  detail::Observation observation(robot, readings, options, known.parameters);
+  const Measurements actual = at_actual_joints(robot, known.drives(), readings);
+  const detail::Placement placed(robot, actual, options, known.errors);
+  detail::Observation observation(robot, actual, options, known.parameters);
   Eigen::VectorXd unknowns = observation.start(known.errors).value();
   unknowns.head(observation.nuisance_count()) = placed.setup;
   const auto states = observation.stations(unknowns);

@@ -147,6 +147,8 @@ export interface Calibration {
   joint_std_mm?: number[];
   visit_std_deg?: number[];
   visit_std_mm?: number[];
+  uses_drives: boolean;
+  omitted_poses: OmittedPoses | null;
   drives: SplineOfADrive[];
   drive_covariance: number[][] | null;
   correlations: Correlation[];
@@ -209,13 +211,20 @@ export interface Parameter {
   status: "identified" | "prior" | "fixed";
   prior_std: number | null;
   expected: number;
+  with_drives?: number;
   data_share: number;
+}
+export interface OmittedPoses {
+  poses: number;
+  rigid_mm: number;
+  with_drives_mm: number;
 }
 export interface SplineOfADrive {
   limb: number;
   unit: "deg" | "mm";
   centre: number;
   spacing: number;
+  size?: number;
 }
 export interface Correlation {
   one: string;

@@ -28,6 +28,7 @@ struct CompensateArguments {
   ControllerOptions controller;
   std::string way = "exact";
   bool targets = false;
+  bool rigid = false;
   bool json_lines = false;
   io::TableStyle style;
 };
@@ -37,19 +38,28 @@ struct Compensated {
   CorrectedPose corrected;
 };
 
-io::CalibratedMachine known_machine(const CompensateArguments& options, const Robot& robot, Session& session) {
+/// What a command corrects for, and the controller that it corrects.
+struct Corrected {
+  KnownErrors known;
+  ControllerModel controller;
+};
+
+Corrected known_machine(const CompensateArguments& options, const Robot& robot, Session& session) {
   if (options.calibration.empty() == options.errors.empty()) {
     throw WrongUsage("expected either --calibration or --errors");
   }
-  if (!options.errors.empty()) {
-    if (is_calibration(options.errors)) {
-      io::CalibratedMachine machine = io::read_calibration(session.calibration_file(options.errors), robot);
-      return {.errors = machine.errors, .controller = std::move(machine.controller)};
-    }
-    return {.errors = session.read_errors(robot, options.errors),
-            .controller = {.evidence = ControllerEvidence::stated}};
+  if (!options.errors.empty() && !is_calibration(options.errors)) {
+    return {{.errors = session.read_errors(robot, options.errors), .parameters = {}, .covariance = {}},
+            {.evidence = ControllerEvidence::stated}};
   }
-  return checked_calibration(session.calibration_file(options.calibration), options.controller, robot, options.style);
+  const bool as_errors = !options.errors.empty();
+  const io::JsonFile& file = session.calibration_file(as_errors ? options.errors : options.calibration);
+  const io::CalibratedMachine machine = as_errors ? io::read_calibration(file, robot)
+                                                  : checked_calibration(file, options.controller, robot, options.style);
+  const bool is_rigid = options.rigid || options.way != "exact";  // the linear methods know no drives
+  Corrected corrected{is_rigid ? machine.rigid() : machine.known(), machine.controller};
+  if (as_errors) corrected.known.covariance = {};
+  return corrected;
 }
 
 [[noreturn]] void refuse(const Station& station, std::string_view why) {
@@ -114,12 +124,12 @@ class LargestUncertainty {
   bool is_known_ = true;
 };
 
-PoseCorrector corrector_of(const Robot& robot, const io::CalibratedMachine& machine, const std::string& way) {
+PoseCorrector corrector_of(const Robot& robot, const Corrected& machine, const std::string& way) {
   if (!robot.is_level() && way != "exact") {
     throw WrongUsage(
         "--way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
   }
-  return pose_corrector(robot, machine.known(), kWays.at(way), machine.controller.computes_with(robot));
+  return pose_corrector(robot, machine.known, kWays.at(way), machine.controller.computes_with(robot));
 }
 
 /// A target may be missing where nobody prints it by itself: some joints of a machine that is off are no nominal one's.
@@ -175,7 +185,7 @@ void run(const CompensateArguments& options, Session& session) {
   RobotSources sources = sources_of(options.errors, poses.rows);
   if (!options.calibration.empty()) sources.calibrations.push_back(options.calibration);
   const Robot robot = session.robot(sources);
-  io::CalibratedMachine machine = known_machine(options, robot, session);
+  Corrected machine = known_machine(options, robot, session);
   for (const std::string& known : {options.calibration, options.errors}) session.forget_calibration(known);
   machine.controller = checked_controller(options.controller, machine.controller, robot, options.style);
   const ControllerModel& controller = machine.controller;
@@ -183,7 +193,7 @@ void run(const CompensateArguments& options, Session& session) {
   const PoseCorrector corrector = corrector_of(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
-  const bool knows_u = machine.covariance.size() > 0;
+  const bool knows_u = machine.known.covariance.size() > 0;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
     if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
     const Compensated row = compensated(corrector, station, options.targets);
@@ -211,6 +221,7 @@ void add_compensate(Command& program, Session& session) {
       ->check(one_of({"exact", "tilt-aware", "linear"}));
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV) for a controller that uses the nominal dimensions");
+  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives, as code for controllers does");
   add_controller_options(*command, options->controller);
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);

@@ -11,6 +11,7 @@
 #include "export_filter.hpp"
 #include "output_folder.hpp"
 #include "paracal/compensation/parameters.hpp"
+#include "paracal/compensation/pose_correction.hpp"
 #include "session.hpp"
 
 namespace paracal::app {
@@ -21,6 +22,7 @@ struct ExportArguments {
   std::string target;
   ControllerOptions controller = {};
   std::string variant = "exact";
+  bool rigid = false;
   std::optional<std::string> folder = {};  ///< of a whole configuration; without it the exported text alone
   FilterOptions filter;
 };
@@ -37,8 +39,18 @@ const std::map<std::string, ExportVariant> kVariants{
 struct JointTruth {
   const Robot& robot;
   const ControllerModel& controller;
+  double loss = 0.0;  ///< mm, by omitting the drives
 
-  std::vector<std::string> assumed() const { return controller_assumptions(controller, robot); }
+  std::vector<std::string> assumed() const {
+    std::vector<std::string> lines = controller_assumptions(controller, robot);
+    if (loss > 0.0) {
+      lines.push_back(
+          fmt::format("even drives: this target omits the smooth errors of the drives, which costs up to {:.2g} mm "
+                      "in distances to home; compensate uses them",
+                      loss));
+    }
+    return lines;
+  }
 
   /// Lines for the head of an exported text.
   std::vector<std::string> remarks() const {
@@ -141,8 +153,9 @@ void run(const ExportArguments& options, Session& session) {
                       .date = io::utc(now())};
   const ControllerModel controller = checked_controller(options.controller, machine.controller, robot, {});
   if (options.target == "gcode" || options.target == "csv") {
-    return filter_file(options.target, options.filter, {robot, errors, controller.computes_with(robot)}, origin,
-                       session);
+    const KnownErrors known = options.rigid ? machine.rigid() : machine.known();
+    return filter_file(options.target, options.filter,
+                       {robot, known.errors, controller.computes_with(robot), known.drives()}, origin, session);
   }
   if (!options.filter.is_empty()) {
     throw WrongUsage(
@@ -150,7 +163,7 @@ void run(const ExportArguments& options, Session& session) {
         "--in-place, --partial, --check and --header: expected only with --target gcode or csv");
   }
   origin.variant = kVariants.at(options.variant);
-  const JointTruth truth{robot, controller};
+  const JointTruth truth{robot, controller, loss_without_drives(robot, machine.known(), errors)};
   origin.remarks = truth.remarks();
   if (folder) return export_configuration(*folder, robot, errors, origin, truth, session);
   options.target == "json" ? export_json(robot, errors, origin, truth, session)
@@ -199,6 +212,7 @@ void add_export(Command& program, Session& session) {
       ->takes("FOLDER");
   add_controller_options(*command, options->controller);
   command->heading("Part programs and tables (--target gcode, csv)");
+  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives, as the other targets do");
   command->add_option("--input", options->filter.input, "file to correct (default: standard input)");
   command->heading("Part programs (--target gcode)");
   command

@@ -18,8 +18,9 @@ struct ForwardArguments {
   io::TableStyle style;
 };
 
-io::NamedPlate plate_at(const Machine& machine, const io::NamedJoints& row) {
-  const ForwardResult result = forward(machine, row.joints);
+io::NamedPlate plate_at(const MachineAsBuilt& built, const io::NamedJoints& row) {
+  const Machine& machine = built.machine;
+  const ForwardResult result = forward(machine, built.drives.actual(row.joints));
   if (!result.ok()) {
     throw MathematicsSaysNo(
         fmt::format("{}: joints {}: no solution: {}", row.stated_in, row.name, why_no_pose(machine, result)));
@@ -44,7 +45,7 @@ io::Json plate_json(const io::NamedPlate& row) {
 void run(const ForwardArguments& options, Session& session) {
   RowInput joints(options.joints, options.style);
   const Robot robot = session.robot(sources_of(options.errors, joints.rows));
-  const Machine machine = session.machine_as_built(robot, options.errors);
+  const MachineAsBuilt machine = session.machine_as_built(robot, options.errors);
   RowOutput rows(session, options.json_lines, {JsonColumn{"poses"}});
   rows.head(io::plate_table_header());
   io::read_joints(joints.rows, robot.joint_space(), [&](const io::NamedJoints& one) {

@@ -18,9 +18,9 @@ struct InverseArguments {
   io::TableStyle style;
 };
 
-Joints joints_at(const Robot& robot, const Machine& machine, const Station& station) {
-  const InverseResult result = inverse(machine, station.commanded);
-  if (result.ok()) return result.joints;
+Joints joints_at(const Robot& robot, const MachineAsBuilt& built, const Station& station) {
+  const InverseResult result = inverse(built.machine, station.commanded);
+  if (result.ok()) return built.drives.commanded(result.joints);
   std::string why = "no solution: the machine is singular there";
   if (result.status == InverseStatus::unreachable) {
     why = result.unreachable_limb < 0
@@ -33,7 +33,7 @@ Joints joints_at(const Robot& robot, const Machine& machine, const Station& stat
 void run(const InverseArguments& options, Session& session) {
   RowInput poses(options.poses, options.style);
   const Robot robot = session.robot(sources_of(options.errors, poses.rows));
-  const Machine machine = session.machine_as_built(robot, options.errors);
+  const MachineAsBuilt machine = session.machine_as_built(robot, options.errors);
   const Actuator actuator = robot.actuator();
   RowOutput rows(session, options.json_lines, {{"names", "name"}, {joints_key(actuator), joints_key(actuator)}});
   rows.head(io::joint_table_header(robot.joint_space()));

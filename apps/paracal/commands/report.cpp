@@ -34,8 +34,8 @@ void run(const ValidatingOptions& options, Session& session) {
       arrows = report::measured_arrows(validation);
     }
   }
-  if (arrows.empty()) arrows = report::predicted_arrows(robot, known.errors, stations);
-  content.figures = {{"scene", report::scene(robot, arrows, known.errors)}};
+  if (arrows.empty()) arrows = report::predicted_arrows(robot, machine.errors, stations);
+  content.figures = {{"scene", report::scene(robot, arrows, machine.errors)}};
   add_error_map(robot, known, content);
   if (robot.is_level()) content.figures["observability"] = report::observability(robot);
   content.inputs = with_files(std::move(inputs), session, {});

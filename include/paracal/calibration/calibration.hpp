@@ -101,6 +101,9 @@ struct Discrepancies {
   double drives = 0.01;     ///< of drives that are uneven along their stroke
   double length = 0.15;     ///< over which a drive's error changes, as a share of its stroke
   double tolerances = 0.3;  ///< mean logarithm of what parts of a group are over their tolerances
+  /// The smooth errors of drives belong to the machine if with them omitted poses are predicted better by
+  /// this share of the squares. Less is chance where drives are even, or what bends in another way.
+  double least_gain_of_drives = 0.1;
 };
 
 struct CalibrationOptions {
@@ -195,7 +198,9 @@ struct ParameterEstimate {
   std::optional<double> std = {};        ///< standard deviation, mm or rad; empty where the readings cannot tell
   std::optional<double> prior_std = {};  ///< before the readings, from the tolerances; empty: no prior
   double expected = 0.0;                 ///< before the readings, mm or rad
-  double data_share = 1.0;               ///< share of the information that the readings gave: 1 - std^2 / prior_std^2
+  /// The same error of the machine whose drives are uneven; empty where the machine is rigid.
+  std::optional<double> with_drives = {};
+  double data_share = 1.0;  ///< share of the information that the readings gave: 1 - std^2 / prior_std^2
   /// Degrees of freedom of std^2 (Welch and Satterthwaite, [gum, G.4]): those that estimate the noise over the square
   /// of the noise's share in std^2.
   double dof = std::numeric_limits<double>::infinity();
@@ -294,6 +299,15 @@ struct FoundSetUp {
   std::vector<std::pair<std::string_view, double>> told = {};  ///< by the names and in the units of files
 };
 
+/// How well readings of a pose are predicted from those of all other poses: root mean square, mm.
+struct OmittedPoses {
+  double rigid = 0.0, with_drives = 0.0;  ///< without and with the smooth errors of drives
+  std::size_t poses = 0;                  ///< that were omitted, one by one
+
+  /// Share by which the squares are smaller with drives.
+  double gain() const { return 1.0 - (with_drives * with_drives) / (rigid * rigid); }
+};
+
 /// What one stage of the fit did.
 struct StageReport {
   std::string name;
@@ -333,10 +347,14 @@ struct [[nodiscard]] Calibration {
   std::vector<SoughtSource> drives = {};  ///< how drives may be uneven: splines along each joint
   /// Mean squares of the splines' sizes, mm and rad, with the parameters' errors and among themselves: a row each.
   Eigen::MatrixXd drive_covariance = {};
-  std::vector<Component> components = {};  ///< causes, the most probable first
-  std::optional<Use> use = {};             ///< of any single visit; empty where no covariance could be stated
-  std::optional<Use> use_mean = {};        ///< of the mean of many visits
-  int rank = 0;                            ///< of the position group (and of the tilt group where tilt was measured)
+  /// Sizes of the splines, rad or mm, where they belong to the machine; empty: it is rigid, and the mean squares hold
+  /// all that is known of them.
+  Eigen::VectorXd drive_sizes = {};
+  std::optional<OmittedPoses> omitted_poses = {};  ///< by which that was decided; empty: it could not be
+  std::vector<Component> components = {};          ///< causes, the most probable first
+  std::optional<Use> use = {};                     ///< of any single visit; empty where no covariance could be stated
+  std::optional<Use> use_mean = {};                ///< of the mean of many visits
+  int rank = 0;  ///< of the position group (and of the tilt group where tilt was measured)
   std::vector<NullDirection> null_space = {};
   std::vector<StageReport> stages = {};
   PoseErrorSummary before = {}, after = {};
@@ -373,7 +391,7 @@ struct [[nodiscard]] Calibration {
   std::vector<Correlation> correlations(double threshold = 0.9) const;
 
   bool accepted() const { return verdict == Verdict::accepted; }
-  /// The source errors of all limbs; those not identified are zero.
+  /// The source errors of all limbs of a rigid machine; those not identified are zero.
   SourceErrors errors() const;
   /// A few lines for a person: verdict, parameters, residuals.
   std::string brief() const;

@@ -14,17 +14,42 @@
 
 namespace paracal {
 
+/// How far each joint is from where its drive says: s(q) = sum of the splines of its limb.
+class DriveCurves {
+ public:
+  DriveCurves() = default;
+  /// @param sizes  of the knots among the parameters, which stand last; empty: drives are even.
+  DriveCurves(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes);
+
+  bool are_even() const { return splines_.empty(); }
+  double off(std::size_t limb, double joint) const;
+  /// q + s(q): where the joints are that are commanded to q.
+  Joints actual(const Joints& commanded) const;
+  /// q with q + s(q) = actual.
+  Joints commanded(const Joints& actual) const;
+
+ private:
+  struct Spline {
+    std::size_t limb;
+    SplineKnot knot;
+    double size;
+  };
+  std::vector<Spline> splines_ = {};
+};
+
 /// Source errors known with a covariance: what predictions are made from. Built from a Calibration, a calibration file,
 /// or a plan.
 struct KnownErrors {
   SourceErrors errors;
-  std::vector<SoughtSource> parameters;   ///< then the splines of drives, whose errors have mean squares, not means
+  std::vector<SoughtSource> parameters;   ///< then the splines of drives; of rigid machines these have mean squares
   Eigen::MatrixXd covariance;             ///< of the parameters, mm and rad
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
   double noise_dof = std::numeric_limits<double>::infinity();  ///< degrees of freedom that estimate that noise
   /// Of what each joint is off at each pose, the same at each visit, and anew at each visit, rad or mm; empty: none.
   Eigen::VectorXd joint_std = {}, visit_std = {};
+  Eigen::VectorXd drive_sizes = {};  ///< of the splines, rad or mm; empty: the machine is rigid
 
+  DriveCurves drives() const { return {parameters, drive_sizes}; }
   /// C + ((k / 2)^2 - 1) C_noise: U = 2 std by this covariance. Student's k for the degrees of freedom multiplies the
   /// noise's part alone, for tolerances and what is known need none; a little more than Welch and Satterthwaite state.
   Eigen::MatrixXd expanded_covariance() const;
@@ -34,10 +59,26 @@ struct KnownErrors {
   Eigen::VectorXd joint_std_of_a_visit() const;
 };
 
+/// Of the machine with its drives where they belong to it (Calibration::drive_sizes), else of the rigid one.
 KnownErrors known_errors(const Calibration& calibration);
+/// Of the rigid machine: its drives, where they are uneven, are a part of its uncertainty.
+KnownErrors rigid_errors(const Calibration& calibration);
 
 /// Adds the splines of drives behind the parameters (Calibration::drives, drive_covariance).
 void add_drives(const std::vector<SoughtSource>& drives, const Eigen::MatrixXd& covariance, KnownErrors& known);
+
+/// Gives a rigid machine with the splines of its drives their sizes, and the errors that go with them. With d from the
+/// rigid machine to this one, mean squares C_rigid about the one are variances C_rigid - d d^T about the other, if the
+/// machine is as its splines say. omitted poses confirm a share g of that, OmittedPoses::gain(), and the rest stays:
+///
+///   \f[ C = C_{rigid} - g d d^T \f]
+///
+/// @param with_drives  errors of the parameters, splines apart.
+KnownErrors with_drives(KnownErrors rigid, const Eigen::VectorXd& with_drives, const Eigen::VectorXd& sizes,
+                        double gain);
+
+/// The same readings at the joints where drives really are.
+Measurements at_actual_joints(const Robot& robot, const DriveCurves& drives, Measurements measurements);
 
 /// What planned readings would determine of a machine whose errors are within their tolerances: zero errors with the
 /// covariance after measuring as planned. Readings that state no sigma weigh as options.noise says.

@@ -36,6 +36,10 @@ using PoseCorrector = std::function<CorrectedPose(const Pose& wanted)>;
 /// @throws InvalidArgument for a linear method and a plate that does not stay level.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, CompensationWay way,
                              const Robot& controller);
+/// What a controller loses that holds the rigid machine of a calibration instead of the one with its drives: largest
+/// error of distances to home over the workspace_stations(), mm; 0 where drives are even.
+double loss_without_drives(const Robot& robot, const KnownErrors& with_drives, const SourceErrors& rigid);
+
 /// The same for a controller that computes with that robot.
 PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known,
                              CompensationWay way = CompensationWay::exact);

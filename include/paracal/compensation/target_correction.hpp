@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/compensator.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
@@ -24,8 +25,9 @@ inline constexpr const char* kSpareLimbs =
 class TargetCorrection {
  public:
   TargetCorrection(const Robot& robot, const SourceErrors& errors);
-  /// The same for a controller that computes with another robot's dimensions.
-  TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller);
+  /// The same for a controller that computes with another robot's dimensions, and drives that are uneven: q is then
+  /// what is commanded so that they reach the inverse.
+  TargetCorrection(const Robot& robot, const SourceErrors& errors, const Robot& controller, DriveCurves drives = {});
 
   const Robot& robot() const { return robot_; }
   const Machine& machine() const { return machine_; }
@@ -48,7 +50,8 @@ class TargetCorrection {
 
   Robot robot_, controller_;
   Machine machine_;
-  std::optional<CompensatorParameters<double>> level_;  ///< of a plate that stays level: faster
+  DriveCurves drives_;
+  std::optional<CompensatorParameters<double>> level_;  ///< of a plate that stays level, by even drives: faster
 };
 
 }  // namespace paracal

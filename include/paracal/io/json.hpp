@@ -110,11 +110,15 @@ struct CalibratedMachine {
   Eigen::VectorXd joint_std = {}, visit_std = {};              ///< as in Calibration, rad or mm
   std::vector<SoughtSource> drives = {};                       ///< likewise
   Eigen::MatrixXd drive_covariance = {};
+  Eigen::VectorXd drive_sizes = {};    ///< empty: the machine is rigid
+  OmittedPoses omitted_poses = {};     ///< that confirmed them
   std::vector<InputFile> inputs = {};  ///< of the calibration
   ControllerModel controller = {};     ///< computed joints from its commanded poses
 
-  /// Input of predictions; no parameters if no covariance is stated.
+  /// Input of predictions; no parameters if no covariance is stated. With the drives, where they belong to the machine.
   KnownErrors known() const;
+  /// Of the rigid machine.
+  KnownErrors rigid() const;
 };
 
 /// @throws InputFileError for a file that is not an accepted calibration of `robot`.

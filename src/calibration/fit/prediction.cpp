@@ -59,7 +59,76 @@ Eigen::MatrixXd KnownErrors::pose_covariance() const {
   return all;
 }
 
+DriveCurves::DriveCurves(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes) {
+  const std::size_t first = parameters.size() - static_cast<std::size_t>(sizes.size());
+  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
+    const SoughtSource& one = parameters[first + static_cast<std::size_t>(k)];
+    splines_.push_back({one.limb, one.knot.value(), sizes(k)});
+  }
+}
+
+double DriveCurves::off(std::size_t limb, double joint) const {
+  double sum = 0.0;
+  for (const Spline& one : splines_) {
+    if (one.limb == limb) sum += one.size * one.knot.at(joint);
+  }
+  return sum;
+}
+
+Joints DriveCurves::actual(const Joints& commanded) const {
+  Joints joints = commanded;
+  for (const Spline& one : splines_) {
+    const auto limb = static_cast<Eigen::Index>(one.limb);
+    joints(limb) += one.size * one.knot.at(commanded(limb));
+  }
+  return joints;
+}
+
+Joints DriveCurves::commanded(const Joints& actual) const {
+  constexpr int kSteps = 20;          // each gains two digits and more: curves are far less steep than 1
+  constexpr double kNothing = 1e-13;  // rad or mm
+  Joints joints = actual;
+  for (int step = 0; step < kSteps && !are_even(); ++step) {
+    const Joints off = this->actual(joints) - actual;
+    joints -= off;
+    if (off.cwiseAbs().maxCoeff() < kNothing) break;
+  }
+  return joints;
+}
+
+Measurements at_actual_joints(const Robot& robot, const DriveCurves& drives, Measurements measurements) {
+  if (drives.are_even()) return measurements;
+  for (Station& station : measurements.stations) station.believed = drives.actual(believed_joints(robot, station));
+  return measurements;
+}
+
+KnownErrors with_drives(KnownErrors rigid, const Eigen::VectorXd& with_drives, const Eigen::VectorXd& sizes,
+                        double gain) {
+  KnownErrors known = std::move(rigid);
+  Eigen::VectorXd off(with_drives.size() + sizes.size());
+  off.tail(sizes.size()) = sizes;
+  for (Eigen::Index k = 0; k < with_drives.size(); ++k) {
+    const SoughtSource& one = known.parameters[static_cast<std::size_t>(k)];
+    off(k) = with_drives(k) - known.errors(one.limb, one.source);
+    known.errors(one.limb, one.source) = with_drives(k);
+  }
+  known.covariance -= gain * off * off.transpose();
+  known.drive_sizes = sizes;
+  return known;
+}
+
 KnownErrors known_errors(const Calibration& calibration) {
+  KnownErrors rigid = rigid_errors(calibration);
+  if (calibration.drive_sizes.size() == 0) return rigid;
+  Eigen::VectorXd errors(std::ssize(calibration.parameters));
+  for (Eigen::Index k = 0; k < errors.size(); ++k) {
+    const ParameterEstimate& one = calibration.parameters[static_cast<std::size_t>(k)];
+    errors(k) = one.with_drives.value_or(one.value);
+  }
+  return with_drives(std::move(rigid), errors, calibration.drive_sizes, calibration.omitted_poses.value().gain());
+}
+
+KnownErrors rigid_errors(const Calibration& calibration) {
   KnownErrors known{.errors = calibration.errors(),
                     .parameters = {},
                     .covariance = calibration.covariance,
@@ -134,7 +203,7 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints,
                       const ForwardOptions& options) {
   const Machine machine = build(robot, known.errors);
-  const ForwardResult result = forward(machine, joints, options);
+  const ForwardResult result = forward(machine, known.drives().actual(joints), options);
   if (!result.usable()) throw Unreachable("no solution: " + why_no_pose(machine, result));
   const Eigen::MatrixXd jacobian = pose_jacobian_at(machine, result.plate, joints, known.parameters);
   if (jacobian.rows() == 0) throw Unreachable("no solution: the plate can move with fixed joints");

@@ -373,17 +373,40 @@ std::vector<Eigen::VectorXd> VarianceTable::starts() const {
   return all;
 }
 
-VarianceTable::Mode VarianceTable::mode_from(const Eigen::VectorXd& start) const {
+VarianceTable::Mode VarianceTable::mode_without(const std::vector<Spreads>& ways, Eigen::VectorXd start) const {
+  std::vector<std::size_t> held;
+  for (const Spreads what : ways) {
+    for (const std::size_t term : terms_of(what)) {
+      held.push_back(term);
+      start(static_cast<Eigen::Index>(term)) = std::log(kNothing);
+    }
+  }
+  return mode_from(start, held);
+}
+
+VarianceTable::Mode VarianceTable::mode_from(const Eigen::VectorXd& start, const std::vector<std::size_t>& held) const {
   constexpr int kRounds = 40;
   constexpr double kSettled = 0.03, kFarthest = 1.5, kDamped = 1e6;  // of logarithms: samples about the mode follow
   Eigen::VectorXd u = start;
-  At now = at(u, true);
+  const auto at_free = [&](const Eigen::VectorXd& where) {
+    At found = at(where, true);
+    for (const std::size_t term : held) {
+      const auto k = static_cast<Eigen::Index>(term);
+      if (found.gradient.size() == 0) break;
+      found.gradient(k) = 0.0;
+      found.curvature.row(k).setZero();
+      found.curvature.col(k).setZero();
+      found.curvature(k, k) = 1.0;
+    }
+    return found;
+  };
+  At now = at_free(u);
   double damping = 0.1;
   for (int round = 0; round < kRounds && damping < kDamped && std::isfinite(now.cost); ++round) {
     Eigen::MatrixXd curvature = now.curvature;
     curvature.diagonal().array() += damping;
     const Eigen::VectorXd step = -cholesky_solution(curvature, now.gradient).cwiseMax(-kFarthest).cwiseMin(kFarthest);
-    const At next = at(u + step, true);
+    const At next = at_free(u + step);
     if (!(next.cost < now.cost)) {
       damping *= 10.0;
       if (step.cwiseAbs().maxCoeff() < kSettled) break;

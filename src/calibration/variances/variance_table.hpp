@@ -69,6 +69,8 @@ class VarianceTable {
   };
   /// By Newton's method from two starts: where a joint is loose there are two modes.
   Mode mode() const;
+  /// The mode where nothing spreads in these ways, from a start.
+  Mode mode_without(const std::vector<Spreads>& ways, Eigen::VectorXd start) const;
   /// Standard deviation of the visits' scatter over the noise with which readings entered, where poses were visited
   /// twice.
   std::optional<double> noise_of_visits() const;
@@ -99,7 +101,8 @@ class VarianceTable {
   void add_prior(const Eigen::VectorXd& u, At& at) const;
   void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
   std::vector<Eigen::VectorXd> starts() const;
-  Mode mode_from(const Eigen::VectorXd& start) const;
+  /// @param held  places of variances that stay as they are.
+  Mode mode_from(const Eigen::VectorXd& start, const std::vector<std::size_t>& held = {}) const;
 
   const LinearReadings* readings_;
   Discrepancies expected_;

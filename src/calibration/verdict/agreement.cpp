@@ -183,8 +183,9 @@ void state_agreement(Scatter left, std::optional<double> noise_dof, bool is_know
 ReadingErrors add_agreement(const Robot& robot, const KnownErrors& known, const Measurements& measurements,
                             const ValidationOptions& options, Validation& validation) {
   const CalibrationOptions fit = as_for_a_fit(options);
-  const Placement nominal(robot, measurements, fit, {}), calibrated(robot, measurements, fit, known.errors);
-  Observation observation(robot, measurements, fit, known.parameters, true);
+  const Measurements actual = at_actual_joints(robot, known.drives(), measurements);
+  const Placement nominal(robot, measurements, fit, {}), calibrated(robot, actual, fit, known.errors);
+  Observation observation(robot, actual, fit, known.parameters, true);
   Eigen::VectorXd unknowns = *observation.start(known.errors);
   take_set_up(calibrated, observation, unknowns);
   const std::optional<double> noise_dof = find_noise(observation, unknowns, validation);

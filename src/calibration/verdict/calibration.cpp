@@ -125,6 +125,14 @@ std::string use_line(const Use& use, const std::optional<Use>& mean) {
   return text + mean_text(use, mean) + '\n';
 }
 
+/// What the smooth errors of drives are worth, where they belong to the machine.
+std::string drives_line(const OmittedPoses& omitted_poses) {
+  return fmt::format(
+      "  uneven drives: with their smooth errors, {} poses omitted one by one are predicted within {:.2g} mm (rms), "
+      "rigid {:.2g} mm; compensate uses them\n",
+      omitted_poses.poses, omitted_poses.with_drives, omitted_poses.rigid);
+}
+
 /// Residuals of what was read, and of nothing else.
 std::string residual_lines(const Calibration& calibration) {
   const PoseErrorSummary &before = calibration.before, &after = calibration.after;
@@ -173,6 +181,7 @@ std::string Calibration::brief() const {
   std::string text = fmt::format("calibration of {}: {}\n", robot.name(), paracal::name(verdict));
   const auto out = std::back_inserter(text);
   if (use) text += use_line(*use, use_mean);
+  if (drive_sizes.size() > 0) text += drives_line(omitted_poses.value());
   for (const std::string& reason : reasons) fmt::format_to(out, "  because {}\n", reason);
   for (const std::string& note : notes) fmt::format_to(out, "  note: {}\n", note);
   for (const std::string& one : assumed) fmt::format_to(out, "  assumed: {}\n", one);

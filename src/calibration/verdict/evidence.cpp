@@ -116,7 +116,9 @@ void add_suspects(const Measurements& measurements, const Observation& observati
 }
 
 /// Values, standard deviations, their degrees of freedom and shares of information: the sought errors, then those held.
-void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, Calibration& calibration) {
+/// @param with_drives  of the sought errors; empty: the machine is rigid.
+void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, const Eigen::VectorXd& with_drives,
+                    Calibration& calibration) {
   const Observation& observation = fit.observation();
   const Eigen::MatrixXd &covariance = calibration.covariance, &noise = calibration.noise_covariance;
   std::vector<SoughtSource> all = observation.sought();
@@ -126,6 +128,7 @@ void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, 
     ParameterEstimate parameter{.limb = one.limb, .source = one.source, .held = k >= observation.source_count()};
     if (calibration.options.expected) parameter.expected = (*calibration.options.expected)(one.limb, one.source);
     parameter.value = parameter.expected;
+    if (k < with_drives.size()) parameter.with_drives = parameter.expected + with_drives(k);
     if (!parameter.held) parameter.value += fit.fit().parameters(observation.nuisance_count() + k);
     parameter.prior_std = one.prior_std;
     if (k < covariance.rows()) {
@@ -211,7 +214,7 @@ void add_stage(const char* name, const Observation& observation, const LeastSqua
 }
 
 void state_errors(const StageFit& fit, Calibration& calibration) {
-  if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, calibration);
+  if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, {}, calibration);
 }
 
 bool state_evidence(const Measurements& measurements, const StageFit& fit,
@@ -231,7 +234,7 @@ bool state_evidence(const Measurements& measurements, const StageFit& fit,
   const Spread spread = state_uncertainty(measurements, fit, scatter, everything || !explanation, calibration);
   if (explanation && calibration.covariance.size() > 0) take(*explanation, all_stated(observation), calibration);
   const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
-  add_parameters(fit, held, calibration);
+  add_parameters(fit, held, explanation ? explanation->with_drives : Eigen::VectorXd(), calibration);
   if (everything) describe_set_up(fit, spread, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
   const auto nominal_unknowns = fit_nominal(nominal, observation);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calibration/variances/drive_choice.hpp"
 #include "causes.hpp"
 #include "numerics/distributions.hpp"
 
@@ -205,6 +206,7 @@ class Explainer {
                     .repeats = table.noise_of_visits().has_value(),
                     .is_ambiguous = !table.tells_noise(),
                     .noise_as_joints = noise_as_joints(table, posterior),
+                    .omitted_poses = omitted_poses(table, tables.front().mode, reading_noise(fit_.observation())),
                     .log_evidence = log_evidence};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
       all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
@@ -250,6 +252,10 @@ std::optional<Explanation> explained(StageFit& fit, const Measurements& measurem
     found->joint_std = (found->joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();
   }
   const Eigen::Index n = found->noise.rows();
+  if (found->omitted_poses && found->omitted_poses->gain() > options.discrepancies.least_gain_of_drives) {
+    found->with_drives = found->means.head(n);
+    found->drive_sizes = found->means.tail(found->means.size() - n);
+  }
   Eigen::VectorXd off = found->means;  // from the machine of the fit, which has no splines
   off.head(n) -= fit.fit().parameters.tail(n);
   found->covariance += off * off.transpose();

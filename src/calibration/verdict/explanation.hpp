@@ -28,7 +28,10 @@ struct Explanation {
   /// readings scatter for either.
   bool is_ambiguous = false;
   Eigen::VectorXd noise_as_joints;  ///< of each joint that alone scatters the plate as much as the noise does
-  double log_evidence = 0.0;        ///< of every reading; no number where a table holds a part of them alone
+  /// Where drives belong to the machine: its errors of parts, from their expectation, and the sizes of the splines.
+  Eigen::VectorXd with_drives = {}, drive_sizes = {};
+  std::optional<OmittedPoses> omitted_poses = {};
+  double log_evidence = 0.0;  ///< of every reading; no number where a table holds a part of them alone
 };
 
 /// Estimates all variances of a settled fit. A part or a pose that is wrong with a probability above 1 -

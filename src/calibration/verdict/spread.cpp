@@ -114,6 +114,8 @@ void take(const Explanation& explanation, bool stated, Calibration& calibration)
   calibration.noise_covariance = explanation.noise;
   calibration.drives = explanation.drives;
   calibration.drive_covariance = explanation.covariance.bottomRows(explanation.covariance.rows() - n);
+  calibration.drive_sizes = explanation.drive_sizes;
+  calibration.omitted_poses = explanation.omitted_poses;
   calibration.joint_std = explanation.joint_std;
   calibration.visit_std = explanation.visit_std;
   if (!stated || !explanation.repeats || !calibration.unit_weight_std ||

@@ -51,11 +51,12 @@ void validate_points(const Robot& robot, const KnownErrors& known, const Measure
     poses.push_back(predicted.back().pose);
   }
   const CalibrationOptions as_fitted = detail::as_for_a_fit(options);
-  std::optional<detail::Placement> placement;  // costs a fit
+  const Measurements actual = at_actual_joints(robot, known.drives(), measurements);  // a placement refers to it
+  std::optional<detail::Placement> placement;                                         // costs a fit
   for (std::size_t s = 0; s < measurements.series.size(); ++s) {
     const PointSeries& series = measurements.series[s];
     if (series.is_of_body() && !placement) {
-      placement.emplace(robot, measurements, as_fitted, known.errors);
+      placement.emplace(robot, actual, as_fitted, known.errors);
     }
     const detail::Located located =
         series.is_of_body() ? detail::locate_body(*placement, s) : detail::locate(series, poses, options);

@@ -136,6 +136,12 @@ struct List<CalibrationInFile> {
           "standard deviation of what each joint is off anew at each visit: repeatability", kNotNegativeMayLack);
     field("visit_std_mm", &joints<Unit::mm, &Calibration::visit_std>, "the same of linear actuators",
           kNotNegativeMayLack);
+    const auto uses_drives = [](const Of& in_file) { return in_file.of.drive_sizes.size() > 0; };
+    field("uses_drives", uses_drives,
+          "true: the splines of the drives belong to the machine, with their sizes and the errors `with_drives`; "
+          "`value` is of a rigid machine");
+    field("omitted_poses", &member<&Calibration::omitted_poses>,
+          "by which that was decided; null: too little for it, or drives without visible errors");
     field("drives", &Of::splines, "cubic B-splines along each joint: how its drive may be uneven");
     field("drive_covariance", &covariance<&Calibration::drive_covariance>,
           "a row for each spline: mean squares with the parameters that are not fixed, then with the splines, in "

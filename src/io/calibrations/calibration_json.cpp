@@ -43,7 +43,11 @@ std::optional<Eigen::MatrixXd> CalibrationInFile::in_file_units(const Eigen::Mat
 
 std::vector<SplineInFile> CalibrationInFile::splines() const {
   std::vector<SplineInFile> all;
-  for (const SoughtSource& one : of.drives) all.push_back({one, joint_unit(of.robot.actuator())});
+  const Unit unit = joint_unit(of.robot.actuator());
+  for (std::size_t k = 0; k < of.drives.size(); ++k) {
+    all.push_back({of.drives[k], unit});
+    if (of.drive_sizes.size() > 0) all.back().size = of.drive_sizes(static_cast<Eigen::Index>(k));
+  }
   return all;
 }
 

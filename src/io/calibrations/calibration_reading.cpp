@@ -65,6 +65,7 @@ ReadParameter read_parameter(const JsonNode& parameter, const Robot& robot) {
   ParameterEstimate estimate{
       .limb = limb.get<std::size_t>() - 1, .source = *source, .value = from_file_unit(inside, value.number())};
   if (const auto std = parameter.find("std")) estimate.std = from_file_unit(inside, std->number(kStd));
+  if (const auto with = parameter.find("with_drives")) estimate.with_drives = from_file_unit(inside, with->number());
   return {estimate, is_sought(parameter)};
 }
 
@@ -192,6 +193,38 @@ void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMach
   require_covariance(all.covariance, *node, "drive_covariance");
 }
 
+/// Where the drives belong to the machine every spline has a size, and every sought error its value with them.
+void read_drive_sizes(const JsonNode& calibration, const Robot& robot, CalibratedMachine& machine) {
+  const auto uses = calibration.find("uses_drives");
+  if (!uses || !uses->flag()) return;
+  if (machine.drives.empty()) uses->refuse("uses_drives: expected the splines in \"drives\" with it, got none");
+  machine.drive_sizes.resize(std::ssize(machine.drives));
+  Eigen::Index next = 0;
+  for (const JsonNode& one : calibration.at("drives").entries()) {
+    const JsonNode size = one.at("size");
+    const double number = size.number({-plausible::kLimit.most, plausible::kLimit.most});
+    machine.drive_sizes(next++) = from_file_unit(joint_unit(robot.actuator()), number);
+  }
+  const JsonNode omitted_poses = calibration.object_at("omitted_poses");
+  machine.omitted_poses.with_drives = omitted_poses.at("with_drives_mm").number(kStd);
+  machine.omitted_poses.rigid = omitted_poses.at("rigid_mm").number({plausible::kNothing, plausible::kLimit.most});
+  if (machine.omitted_poses.gain() <= 0.0) {
+    omitted_poses.refuse(
+        "omitted_poses: expected with_drives_mm below rigid_mm where the drives belong to the machine");
+  }
+  SourceErrors errors = machine.errors;
+  for (const ParameterEstimate& one : machine.parameters) {
+    if (!one.with_drives) {
+      uses->refuse(fmt::format("uses_drives: expected every estimated error \"with_drives\", got {} of limb {} without",
+                               name(one.source), one.limb + 1));
+    }
+    errors(one.limb, one.source) = *one.with_drives;
+  }
+  if (const auto complaint = implausible(robot, errors)) uses->refuse("with_drives: " + *complaint);
+  const KnownErrors known = machine.known();
+  require_covariance(known.covariance, *uses, "covariance of the machine with its drives");
+}
+
 /// What the readings' noise makes uncertain is a part of what is uncertain.
 void require_within(const Eigen::MatrixXd& noise, const Eigen::MatrixXd& covariance, const JsonNode& node) {
   constexpr double kRounding = 1e-6;
@@ -290,6 +323,15 @@ void require_inputs(const JsonFile& calibration) {
 }
 
 KnownErrors CalibratedMachine::known() const {
+  if (drive_sizes.size() == 0) return rigid();
+  Eigen::VectorXd values(std::ssize(parameters));
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    values(k) = parameters[static_cast<std::size_t>(k)].with_drives.value();
+  }
+  return with_drives(rigid(), values, drive_sizes, omitted_poses.gain());
+}
+
+KnownErrors CalibratedMachine::rigid() const {
   KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std, visit_std};
   if (covariance.size() == 0) return known;
   known.parameters.reserve(parameters.size());
@@ -323,6 +365,7 @@ CalibratedMachine read_calibration(const JsonFile& file, const Robot& robot) {
   machine.joint_std = read_joints(calibration, slides ? "joint_std_mm" : "joint_std_deg", robot);
   machine.visit_std = read_joints(calibration, slides ? "visit_std_mm" : "visit_std_deg", robot);
   read_drives(calibration, robot, machine);
+  read_drive_sizes(calibration, robot, machine);
   check_statements(calibration);
   return machine;
 }

@@ -64,6 +64,8 @@ struct List<ParameterInFile> {
     field("expected", &in_file_unit<&ParameterEstimate::expected>,
           "centre of the tolerance: zero, except for printers, whose nominal robot has the dimensions of the "
           "firmware");
+    field("with_drives", &in_file_unit<&ParameterEstimate::with_drives>,
+          "the same error where the drives' splines belong to the machine", Form{.may_lack = true});
     field("data_share", data_share, "1 - std²/prior_std²");
   }
 };
@@ -132,6 +134,7 @@ inline constexpr std::array<std::string_view, 2> kWords<JointUnit>{"deg", "mm"};
 struct SplineInFile {
   SoughtSource spline;
   Unit unit;
+  std::optional<double> size = {};
 };
 
 template <>
@@ -146,7 +149,22 @@ struct List<SplineInFile> {
     field("limb", limb, "its limb", Form{.least = 1.0});
     field("unit", unit, "of the joint");
     field("centre", centre, "joint coordinate where the spline is largest (2/3)");
+    const auto size = [](const Of& of) {
+      return of.size ? std::optional(to_file_unit(of.unit, *of.size)) : std::nullopt;
+    };
     field("spacing", spacing, "to the next one; it is 0 beyond two of them", kNotNegative);
+    field("size", size, "its factor, where it belongs to the machine", Form{.may_lack = true});
+  }
+};
+
+template <>
+struct List<OmittedPoses> {
+  static constexpr Place kPlace{kCalibrationSchema, "omitted_poses", "Omitted poses",
+                                "How well readings of a pose are predicted from those of all others."};
+  static void fields(auto&& field) {
+    field("poses", &OmittedPoses::poses, "that were omitted, one by one", kCount);
+    field("rigid_mm", &OmittedPoses::rigid, "root mean square without the splines of the drives", kSize);
+    field("with_drives_mm", &OmittedPoses::with_drives, "the same with them", kSize);
   }
 };
 
