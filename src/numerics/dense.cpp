@@ -103,7 +103,7 @@ Eigen::MatrixXd cholesky_solution(const Eigen::MatrixXd& M, const Eigen::MatrixX
 
 // Eigen's LLT and its triangles have blocks of eight: of 60 rows these take twice as many instructions as whole
 // columns.
-Cholesky::Cholesky(const Eigen::MatrixXd& M) : lower_(M), ok_(true) {
+Cholesky::Cholesky(const Eigen::MatrixXd& M) : lower_(M) {
   const Eigen::Index n = M.rows();
   for (Eigen::Index k = 0; ok_ && k < n; ++k) {
     const auto factor = [&](Eigen::Index before) { return -lower_(k, before); };

@@ -65,7 +65,7 @@ class Cholesky {
 
  private:
   Eigen::MatrixXd lower_;
-  bool ok_;
+  bool ok_ = true;
 };
 
 /// X of M X = b for a symmetric M that may be indefinite. Eigen::LDLT.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -66,7 +67,7 @@ namespace {
 
 /// Bed by some values at the places of paper, from the lowest to the highest, mm.
 double spread_of_paper(const DeltaGeometry& values, const DeltaReadings& paper) {
-  double least = INFINITY, most = -INFINITY;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const BedReading& one : paper.heights) {
     const auto at = touched(values, one);
     if (!at) continue;

@@ -74,9 +74,10 @@ struct OneKind {
 
 void leave_out(std::vector<std::size_t>& numbers, const std::vector<std::size_t>& gross,
                std::vector<std::size_t>& excluded) {
-  for (auto one = gross.rbegin(); one != gross.rend(); ++one) {
-    excluded.push_back(numbers[*one]);
-    numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(*one));
+  for (std::size_t k = gross.size(); k-- > 0;) {
+    const std::size_t one = gross[k];
+    excluded.push_back(numbers[one]);
+    numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(one));
   }
   std::ranges::sort(excluded);
 }

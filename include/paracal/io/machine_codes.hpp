@@ -37,11 +37,11 @@ enum class CodeDialect : std::uint8_t { reprapfirmware, marlin };
 /// @throws InputFileError for files of other firmwares, for missing or other words, for numbers that are not finite,
 /// and for rods that do not reach. Also for RepRapFirmware's bed tilt (M666 A, B), which is not part of a geometry
 /// here, and for implausible values, such as trims of 85 mm in a file of another firmware.
-DeltaGeometry read_machine_codes(const TextFile& file, CodeDialect dialect);
+DeltaGeometry read_machine_codes(const TextFile& text, CodeDialect dialect);
 
 /// Radius of the bed by RepRapFirmware's M665 B (for a rotary delta M669 B) or Marlin's PRINTABLE_RADIUS, mm;
 /// 0: none.
-double print_radius_of_codes(const TextFile& file, CodeDialect dialect);
+double print_radius_of_codes(const TextFile& text, CodeDialect dialect);
 
 /// The lines for a geometry. RepRapFirmware: adjustments sum to zero; A of a rotary delta is in a comment, because its
 /// lowest angle is not part of a geometry. Marlin: adjustments are 0 or less.

@@ -129,7 +129,7 @@ std::optional<AngleProduct> stated_angles(const TextFile& file) {
     ++number;
     const auto statement = statement_of(with_other_bytes_decoded(line));
     if (!statement) continue;
-    if (const auto product = product_of(*statement)) return product;
+    if (auto product = product_of(*statement)) return product;
     throw InputFileError(file.name, number,
                          fmt::format("expected a product of three rotations, such as \"angles: Rz Ry Rx\" or \"angles: "
                                      "Rz(a) Ry(b) Rx(c)\", got \"{}\"",

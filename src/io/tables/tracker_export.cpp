@@ -122,7 +122,7 @@ class ExportReader {
       for (std::size_t k = 0; k < angles.size(); ++k) angles[k] = number(k) * of.rad_per_unit[k];
       return AngleProduct{of.axes}.of(angles);
     }
-    const Quaternion read(number(0), number(1), number(2), number(3));
+    Quaternion read(number(0), number(1), number(2), number(3));
     if (std::abs(read.norm() - 1.0) <= PointReading::kUnitLength) return read;
     fail(fmt::format("expected a unit quaternion, got length {:.6g}", read.norm()));
   }
