@@ -16,6 +16,7 @@
 #include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
+#include "paracal/calibration/validation.hpp"
 #include "paracal/error.hpp"
 #include "paracal/io/csv.hpp"
 #include "paracal/io/points.hpp"
@@ -219,6 +220,29 @@ TEST_F(Measured, IntervalsHoldTheReadingsOfTheOtherHalf) {
   }
   EXPECT_GE(held, 0.93 * static_cast<double>(all));
   EXPECT_LE(held, 0.97 * static_cast<double>(all));
+}
+
+/// Positions relative to home at the poses that were not fitted, root mean square, mm.
+double off_positions(const Robot& robot, const KnownErrors& known, const Measurements& readings) {
+  double sum = 0.0;
+  const Validation validation = validate(robot, known, readings);
+  for (const ValidatedPose& one : validation.poses) {
+    sum += std::pow(error_relative_to(validation.poses.front().after, one.after).volumetric, 2);
+  }
+  return std::sqrt(sum / static_cast<double>(validation.poses.size()));
+}
+
+/// Spools wind cords unevenly: with that, either half predicts the plate of the other much better.
+TEST_F(Measured, UnevenSpoolsPredictTheOtherHalf) {
+  for (const std::size_t fitted : {0U, 1U}) {
+    const Calibration found = calibrate(robot, half(fitted));
+    const double with = off_positions(robot, known_errors(found), half(1 - fitted));
+    const double rigid = off_positions(robot, rigid_errors(found), half(1 - fitted));
+    RecordProperty(fmt::format("positions_{}", fitted),
+                   fmt::format("rigid {:.2f}, with drives {:.2f} mm", rigid, with));
+    EXPECT_GT(found.drive_sizes.size(), 0);
+    EXPECT_LT(with, 0.75 * rigid);
+  }
 }
 
 /// A controller whose joints are connected in another order: said, instead of errors of centimetres.

@@ -250,13 +250,20 @@ struct FitSettings {
   }
 };
 
-/// All settings of calibrate.
-struct CalibrationSettings {
+/// What calibrate and validate both ask for.
+struct CommonSettings {
   static void list(auto& options, double joint_factor, auto&& setting) {
     NoiseSettings::list(options, joint_factor, setting);
     ReadingSettings::list(options, joint_factor, setting);
     FrameSettings::list(options, joint_factor, setting);
     LimitSettings::list(options, joint_factor, setting);
+  }
+};
+
+/// All settings of calibrate.
+struct CalibrationSettings {
+  static void list(auto& options, double joint_factor, auto&& setting) {
+    CommonSettings::list(options, joint_factor, setting);
     FitSettings::list(options, joint_factor, setting);
     FitSettings::recorded(options, setting);
   }
@@ -265,10 +272,7 @@ struct CalibrationSettings {
 /// All settings of validate.
 struct ValidationSettings {
   static void list(auto& options, double joint_factor, auto&& setting) {
-    NoiseSettings::list(options, joint_factor, setting);
-    ReadingSettings::list(options, joint_factor, setting);
-    FrameSettings::list(options, joint_factor, setting);
-    LimitSettings::list(options, joint_factor, setting);
+    CommonSettings::list(options, joint_factor, setting);
     setting(Setting{.option = "sigma-known",
                     .text = "the given standard deviations are known, as the program takes them if they are given",
                     .set_by = SetBy::python},
