@@ -104,7 +104,7 @@ void add_coordinates(const ExportedMachine& exported, Values& values) {
 }
 
 /// What machines whose plate tilts need on top.
-void add_search(const ExportedMachine& exported, const ParameterSet& set, Values& values) {
+void add_search(const ExportedMachine& exported, Values& values) {
   const bool searches = exported.searches(), is_single = searches && exported.variant == ExportVariant::single;
   const RecordedMachine& recorded = exported.recorded;
   const std::string real = is_single ? "float" : "double";
@@ -112,7 +112,7 @@ void add_search(const ExportedMachine& exported, const ParameterSet& set, Values
   values.emplace_back("SINGLE_FUNCTIONS",
                       is_single ? "float sqrtf(float x);\nfloat sinf(float x);\nfloat cosf(float x);\n" : "");
   values.emplace_back("SINGLE_MEMBER", is_single ? "  float single[PARACAL_NUMBERS]; /* the same */\n" : "");
-  values.emplace_back("SINGLE_NUMBERS", is_single ? ", {\n" + number_lines(set, "F", false) + "}" : "");
+  values.emplace_back("SINGLE_NUMBERS", is_single ? ", {\n" + number_lines(exported.set, "F", false) + "}" : "");
   values.emplace_back("SINGLE_COPY", is_single ? "    next->single[k] = (float)set[k];\n" : "");
   values.emplace_back("STATE_PARAMETER", searches ? ", double state[PARACAL_STATE]" : "");
   values.emplace_back("STATE_ARGUMENT", searches ? ", closed" : "");
@@ -163,6 +163,32 @@ void add_search(const ExportedMachine& exported, const ParameterSet& set, Values
                                        "    if (!paracal_is_finite(found[i])) {{ return PARACAL_SINGULAR; }}\n  }}\n",
                                        narrowed, is_single ? "single" : "exact", widened)
                          : "");
+}
+
+/// What machines with uneven drives need on top.
+void add_drives(const ExportedMachine& exported, Values& values) {
+  const bool is_uneven = !exported.drives.are_even();
+  values.emplace_back("COMMAND", is_uneven ? "  paracal_command(numbers->exact, found);\n" : "");
+  values.emplace_back("COMMAND_RATES", is_uneven ? "  paracal_command_rates(numbers->exact, joints, found);\n" : "");
+  if (!is_uneven) {
+    values.emplace_back("DRIVES", "");
+    return;
+  }
+  const bool is_single = exported.searches() && exported.variant == ExportVariant::single;
+  const C99 language(exported.recorded.numbers, is_single);
+  Values own = values;
+  own.emplace_back("REAL", is_single ? "float" : "double");
+  own.emplace_back("NARROWED", is_single ? "(float)" : "");
+  own.emplace_back("WIDENED", is_single ? "(double)" : "");
+  constexpr std::array<std::pair<std::string_view, double>, 7> kNumbers{{{"ZERO", 0.0},
+                                                                         {"HALF", 0.5},
+                                                                         {"ONE", 1.0},
+                                                                         {"TWO", 2.0},
+                                                                         {"THREE", 3.0},
+                                                                         {"SIX", 6.0},
+                                                                         {"NOTHING", kNoDriveChange}}};
+  for (const auto& [name, number] : kNumbers) own.emplace_back(name, language.number(number));
+  values.emplace_back("DRIVES", filled_template("drives_c99.h", own));
 }
 
 /// An axis of LinuxCNC as a coordinate of the plate, or of nothing that the robot moves.
@@ -239,9 +265,10 @@ std::string c99_of(const Robot& robot, const ExportedMachine& exported, const Ex
   Values values = head(robot, origin);
   add_head(robot, exported, values);
   add_coordinates(exported, values);
-  add_search(exported, parameter_set(exported.recorded, robot.nominal()), values);
-  values.emplace_back("SET", std::to_string(exported.recorded.numbers.size() + 2));
-  values.emplace_back("EXACT_NUMBERS", number_lines(parameter_set(exported.recorded, robot.nominal()), "", true));
+  add_search(exported, values);
+  add_drives(exported, values);
+  values.emplace_back("SET", std::to_string(exported.set.numbers.size() + 2));
+  values.emplace_back("EXACT_NUMBERS", number_lines(exported.set, "", true));
   values.emplace_back("CLOSED", exported.recorded.closed.text(language, "  "));
   values.emplace_back("RATES", exported.recorded.rates.text(language, "  "));
   values.emplace_back("TEST_VECTOR", test_vector(exported));
@@ -250,19 +277,21 @@ std::string c99_of(const Robot& robot, const ExportedMachine& exported, const Ex
 
 }  // namespace
 
-ExportedSet exported_set(const Robot& robot, const SourceErrors& errors) {
-  ParameterSet set = parameter_set(record(built_for_export(robot, errors)), robot.nominal());
+ExportedSet exported_set(const Robot& robot, const SourceErrors& errors, const DriveCurves& drives) {
+  ParameterSet set = parameter_set(record(built_for_export(robot, errors)), robot.nominal(), drives);
   ExportedSet exported{std::move(set.names), std::move(set.numbers)};
   exported.set.insert(exported.set.end(), {set.layout, set.sum});
   return exported;
 }
 
-std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  return c99_of(robot, ExportedMachine(robot, errors, origin), origin);
+std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                       const DriveCurves& drives) {
+  return c99_of(robot, ExportedMachine(robot, errors, origin, drives), origin);
 }
 
-std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const ExportedMachine exported(robot, errors, origin);
+std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                               const DriveCurves& drives) {
+  const ExportedMachine exported(robot, errors, origin, drives);
   Values values = head(robot, origin);
   add_head(robot, exported, values);
   add_axes(exported, values);

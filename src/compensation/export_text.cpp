@@ -105,7 +105,7 @@ std::string worst_in_words(const ExportedMachine& exported) {
   return fmt::format("at most {:.2g} um {}, against the exact method", micrometres, poses);
 }
 
-std::string method_in_words(const ExportedMachine& exported) {
+std::string method_without_drives(const ExportedMachine& exported) {
   const std::string exact = "inverse of the identified machine with all its errors";
   if (!exported.searches()) return fmt::format("exact: {}, in closed form", exact);
   switch (exported.variant) {
@@ -118,19 +118,28 @@ std::string method_in_words(const ExportedMachine& exported) {
   }
 }
 
+std::string method_in_words(const ExportedMachine& exported) {
+  return method_without_drives(exported) + (exported.drives.are_even() ? "" : "; uneven drives included");
+}
+
 /// What one compensation computes, as a sentence.
 std::string operations(const ExportedMachine& exported) {
   const RecordedMachine& recorded = exported.recorded;
   OperationCount count;
   add(count, recorded.closed, recorded, 1);
   const std::string_view functions = "sines, cosines and arctangents";
-  if (!exported.searches()) return brief(count, functions) + " per call";
+  const std::string drives = exported.drives.are_even()
+                                 ? ""
+                                 : fmt::format("; uneven drives: about 3 steps a joint, at most {}, of {} cubics each",
+                                               kMostDriveSteps, kDriveKnots);
+  if (!exported.searches()) return brief(count, functions) + " per call" + drives;
   const int steps = usual_steps(exported.variant);
   add(count, recorded.answer, recorded, 1);
   add(count, recorded.step, recorded, static_cast<std::size_t>(steps));
   const bool varies = exported.variant == ExportVariant::exact;
   return fmt::format("{} per call with {} step{}{}", brief(count, functions), steps, steps == 1 ? "" : "s",
-                     varies ? ", the usual number" : "");
+                     varies ? ", the usual number" : "") +
+         drives;
 }
 
 }  // namespace
@@ -174,8 +183,12 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
                                         2.0 * rate_error(robot, exported.machine))
                           : "exact");
   values.emplace_back("FREE", std::to_string(free));
-  values.emplace_back("NUMBERS", std::to_string(exported.recorded.numbers.size()));
-  values.emplace_back("LAYOUT", decimal(parameter_set(exported.recorded, robot.nominal()).layout));
+  values.emplace_back("NUMBERS", std::to_string(exported.set.numbers.size()));
+  values.emplace_back("LAYOUT", decimal(exported.set.layout));
+  values.emplace_back("DRIVES_AT", std::to_string(exported.drives_at()));
+  values.emplace_back("KNOTS", std::to_string(kDriveKnots));
+  values.emplace_back("MOST_DRIVE_STEPS", std::to_string(kMostDriveSteps));
+  values.emplace_back("STEEPEST", decimal(kSteepestDrive));
   values.emplace_back("TESTS", std::to_string(exported.cases.size()));
   values.emplace_back("AGREEMENT", exported.machine.spare_limbs() == 0 ? decimal(1e-6 + joint_slack)
                                    : in_mm                             ? "1.0"
@@ -185,11 +198,14 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
   values.emplace_back("POSE_TOLERANCE", decimal(1e-6 + slack));
 }
 
-ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin)
+ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                                 DriveCurves uneven)
     : machine(built_for_export(robot, errors)),
       variant(origin.variant),
-      cases(self_test(robot, machine)),
+      drives(std::move(uneven)),
+      cases(self_test(robot, machine, drives)),
       recorded(record(machine)),
+      set(parameter_set(recorded, robot.nominal(), drives)),
       places(commanded_coordinates(machine)),
       worst(variant_error(robot, machine, variant)) {}
 

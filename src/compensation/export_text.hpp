@@ -9,6 +9,7 @@
 #include "paracal/compensation/self_test.hpp"
 #include "paracal/mechanism/coordinates.hpp"
 #include "recording.hpp"
+#include "variants.hpp"
 
 // What exports of every language share: templates, and what stands at their head.
 
@@ -26,15 +27,19 @@ Values head(const Robot& robot, const ExportOrigin& origin);
 struct ExportedMachine {
   Machine machine;
   ExportVariant variant;
+  DriveCurves drives;
   std::vector<SelfTestCase> cases;
   RecordedMachine recorded;
+  ParameterSet set;
   std::vector<std::size_t> places;  ///< in pose[6] of what can be commanded
   double worst;                     ///< error of the variant over the workspace, mm
 
   /// @throws InvalidArgument unless has_compensator(); Unreachable when the centre of the workspace is out of reach.
-  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, DriveCurves drives);
 
   bool searches() const { return recorded.state_size > 0; }
+  /// Where the curves of uneven drives begin among the numbers.
+  std::size_t drives_at() const { return recorded.numbers.size(); }
 };
 
 /// What the head says of a machine and its compensator.

@@ -149,14 +149,19 @@ struct JointDemand {
   Joints home, lowest, highest, fastest;
 };
 
-JointDemand joint_demand(const Robot& robot, const Machine& machine) {
+JointDemand joint_demand(const Robot& robot, const Machine& machine, const DriveCurves& drives) {
   const Joints home = inverse(machine, {robot.workspace().centre()}).joints;
   JointDemand demand{home, home, home, Joints::Zero(home.size())};
   everywhere(robot, machine, [&](const Pose& pose, const Joints& joints) {
     demand.lowest = demand.lowest.cwiseMin(joints);
     demand.highest = demand.highest.cwiseMax(joints);
-    demand.fastest = demand.fastest.cwiseMax(fastest_at(robot, machine, pose, joints));
+    Joints fastest = fastest_at(robot, machine, pose, joints);
+    for (Eigen::Index i = 0; i < joints.size(); ++i) {
+      fastest(i) /= 1.0 + drives.of(static_cast<std::size_t>(i)).slope(joints(i));
+    }
+    demand.fastest = demand.fastest.cwiseMax(fastest);
   });
+  for (Joints* const one : {&demand.home, &demand.lowest, &demand.highest}) *one = drives.commanded(*one);
   return demand;
 }
 
@@ -318,9 +323,9 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kFiles{{{"README.md
 }  // namespace
 
 std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, const SourceErrors& errors,
-                                                          const ExportOrigin& origin) {
-  std::map<std::string, std::string> files{{"paracal_kins.comp", linuxcnc_component(robot, errors, origin)}};
-  const JointDemand demand = joint_demand(robot, build(robot, errors));
+                                                          const ExportOrigin& origin, const DriveCurves& drives) {
+  std::map<std::string, std::string> files{{"paracal_kins.comp", linuxcnc_component(robot, errors, origin, drives)}};
+  const JointDemand demand = joint_demand(robot, build(robot, errors), drives);
   const double share = share_of_speeds(robot, demand);
   Values values = head(robot, origin);
   values.emplace_back("COORDINATES", coordinates(robot));

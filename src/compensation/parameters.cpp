@@ -22,6 +22,13 @@ std::uint32_t commanded(const Machine& machine) {
   return bits;
 }
 
+template <typename Scalar>
+DriveCurve<Scalar> in_scalar(const DriveCurve<double>& curve) {
+  DriveCurve<Scalar> rounded{static_cast<Scalar>(curve.first), static_cast<Scalar>(curve.spacing)};
+  std::ranges::transform(curve.sizes, rounded.sizes.begin(), [](double size) { return static_cast<Scalar>(size); });
+  return rounded;
+}
+
 void check_compensated(const Robot& robot) {
   if (has_compensator(robot)) return;
   throw InvalidArgument(fmt::format(
@@ -39,7 +46,8 @@ bool has_compensator(const Robot& robot) {
 }
 
 template <typename Scalar>
-CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors) {
+CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                     const DriveCurves& drives) {
   check_compensated(robot);
   const Machine identified = build(robot, errors);
   CompensatorParameters<Scalar> parameters;
@@ -51,6 +59,7 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
     parameters.identified[i] = closure_limb<Scalar>(identified, i);
     parameters.nominal[i] = closure_limb<Scalar>(robot.nominal(), i);
+    parameters.drives[i] = in_scalar<Scalar>(drives.of(i));
     if (!identified.is_level) continue;
     const std::span<const Source> own = sources_of(robot.actuator());
     for (std::size_t k = 0; k < own.size(); ++k) {
@@ -62,8 +71,10 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   return parameters;
 }
 
-template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
-template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                              const DriveCurves& drives);
+template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                             const DriveCurves& drives);
 
 template CompensationStatus compensate(const CompensatorParameters<double>& parameters, CompensationWay way,
                                        const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,

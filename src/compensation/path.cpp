@@ -243,7 +243,9 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
         continue;
       }
       joints[at] = {};
-      for (std::size_t i = 0; i < parameters.limb_count; ++i) joints[at][i] = block.joints[i][k];
+      for (std::size_t i = 0; i < parameters.limb_count; ++i) {
+        joints[at][i] = parameters.drives[i].commanded(block.joints[i][k]);
+      }
       if (tilt != nullptr) *tilt = {block.tilt[0][k], block.tilt[1][k], block.tilt[2][k]};
       statuses[at] = CompensationStatus::ok;
     }
@@ -254,7 +256,8 @@ void nominal_targets(const CompensatorParameters<double>& parameters, std::span<
                      std::span<std::optional<CompensatorPose<double>>> targets) {
   if (targets.size() != poses.size()) throw std::invalid_argument("nominal_targets: expected a target for each pose");
   std::ranges::fill(targets, std::nullopt);
-  if (parameters.is_level == 0) return;
+  const bool are_even = std::ranges::all_of(parameters.drives, [](const auto& one) { return one.is_even(); });
+  if (parameters.is_level == 0 || !are_even) return;
   const LaneLimbs limbs = in_lanes(parameters.identified);
   const Nominal nominal = nominal_robot(parameters);
   for (std::size_t first = 0; first < poses.size(); first += kLanes) {

@@ -35,8 +35,9 @@ JointFinder exact_joints(const Machine& actual, const DriveCurves& drives) {
   };
 }
 
-JointFinder linear_joints(const Robot& robot, const SourceErrors& errors, CompensationWay way) {
-  return [=, compensator = Compensator<double>(compensator_parameters(robot, errors), way)](const Pose& wanted) {
+JointFinder linear_joints(const Robot& robot, const KnownErrors& known, CompensationWay way) {
+  return [=, compensator = Compensator<double>(compensator_parameters(robot, known.errors, known.drives()), way)](
+             const Pose& wanted) {
     CompensatorJoints<double> joints{};
     CorrectedPose found;
     found.status = compensator.compensate(closure_pose(wanted), joints, &found.tilt);
@@ -47,7 +48,6 @@ JointFinder linear_joints(const Robot& robot, const SourceErrors& errors, Compen
 
 using UncertaintyFinder = std::function<std::optional<StatedU>(const Pose& wanted, const Joints& joints)>;
 
-/// With the drives' splines, which the linear model for a controller leaves out.
 UncertaintyFinder uncertainty_of(const Machine& actual, const KnownErrors& known) {
   if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
   return [actual, uncertainty = PlateUncertainty(actual, known.parameters, known.pose_covariance())](
@@ -70,7 +70,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
   }
   const Machine actual = build(robot, known.errors);
   const JointFinder find_joints =
-      way == CompensationWay::exact ? exact_joints(actual, known.drives()) : linear_joints(robot, known.errors, way);
+      way == CompensationWay::exact ? exact_joints(actual, known.drives()) : linear_joints(robot, known, way);
   const UncertaintyFinder find_uncertainty = uncertainty_of(actual, known);
   return [=](const Pose& wanted) {
     CorrectedPose found = find_joints(wanted);

@@ -26,7 +26,7 @@ std::vector<Pose> tilted_rims(const Workspace& workspace) {
 
 }  // namespace
 
-std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine) {
+std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine, const DriveCurves& drives) {
   const Workspace& workspace = robot.workspace();
   std::vector<Pose> poses{{workspace.centre(), 0.0}};
   std::ranges::copy(robot.is_level() ? workspace.rim(3) : tilted_rims(workspace), std::back_inserter(poses));
@@ -35,7 +35,7 @@ std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine) 
   for (const Pose& pose : poses) {
     const InverseResult found = inverse(machine, pose);
     if (found.ok()) {
-      cases.push_back({pose, found.joints});
+      cases.push_back({pose, drives.commanded(found.joints)});
     } else if (cases.empty()) {
       throw Unreachable("the calibrated machine does not reach the centre of its workspace");
     }

@@ -103,6 +103,7 @@ class Writer {
     add_forward();
     add_rates();
     add_search();
+    add_drives();
     add_tests();
     return filled_template("compensator.st", values_);
   }
@@ -150,7 +151,7 @@ class Writer {
   }
 
   void add_sizes() {
-    const ParameterSet set = parameter_set(recorded_, robot_.nominal());
+    const ParameterSet& set = exported_.set;
     std::vector<std::vector<double>> numbers;
     for (const double number : set.numbers) numbers.push_back({number});
     add("NUMBER_LIST", list(numbers));
@@ -170,6 +171,7 @@ class Writer {
   }
 
   bool searches() const { return exported_.searches(); }
+  bool is_uneven() const { return !exported_.drives.are_even(); }
 
   void add_coordinates() {
     add("INPUT_WORDS", for_each_input(inputs_, "{1}", ", "));
@@ -193,12 +195,39 @@ class Writer {
     add("GIVE_POSE", for_each_input(coordinates_, "        {1} := here[{0}];\n"));
   }
 
+  /// What machines with uneven drives need on top.
+  void add_drives() {
+    constexpr std::array<std::string_view, 5> kKeys{"DRIVE_FUNCTIONS", "DRIVE_LOCALS", "DRIVES", "DRIVE_RATE_LOCALS",
+                                                    "DRIVE_RATES"};
+    if (!is_uneven()) {
+      for (const std::string_view key : kKeys) add(key, "");
+      return;
+    }
+    const std::string locals = fmt::format(
+        "  commanded : ARRAY [0..{}] OF LREAL := [{}];\n  limb : INT := 0;\n  knot : INT := 0;\n"
+        "  place : LREAL := 0.0;\n",
+        limbs_ - 1, zeros(limbs_));
+    Values own = values_;
+    own.emplace_back("DRIVE", std::to_string(kDriveKnots + 2));
+    own.emplace_back("LAST_KNOT", std::to_string(kDriveKnots - 1));
+    own.emplace_back("GET_COMMANDED", for_each_joint("  commanded[{0}] := inverse.{1};\n"));
+    const std::array<std::string, kKeys.size()> texts{
+        filled_template("drives_functions.st", own),
+        locals + "  needed : LREAL := 0.0;\n  change : LREAL := 0.0;\n  drive_step : INT := 0;\n",
+        for_each_joint(searches() ? "  commanded[{0}] := joints[{0}] + state[3 + {0}];\n"
+                                  : "  commanded[{0}] := joints[{0}];\n") +
+            filled_template("drives.st", own),
+        locals + "  inverse : paracal_compensator;\n  way : LREAL := 1.0;\n", filled_template("drive_rates.st", own)};
+    for (std::size_t k = 0; k < kKeys.size(); ++k) add(kKeys.at(k), texts.at(k));
+  }
+
   void add_joints() {
     add("FIRST_JOINT", joint(0));
     add("JOINT_INPUTS", for_each_joint("  {1} : LREAL := 0.0;\n"));
     add("JOINT_OUTPUTS", for_each_joint("  {1} : LREAL := 0.0;\n"));
-    add("SET_JOINTS",
-        for_each_joint(searches() ? "  {1} := joints[{0}] + state[3 + {0}];\n" : "  {1} := joints[{0}];\n"));
+    add("SET_JOINTS", for_each_joint(is_uneven()  ? "  {1} := commanded[{0}];\n"
+                                     : searches() ? "  {1} := joints[{0}] + state[3 + {0}];\n"
+                                                  : "  {1} := joints[{0}];\n"));
     add("GET_WANTED", for_each_joint("  wanted[{0}] := {1};\n"));
     add("GET_JOINTS", for_each_joint("    joints[{0}] := inverse.{1};\n"));
     add("GET_TESTED", for_each_joint("  joints[{0}] := compensator.{1};\n"));
@@ -318,11 +347,12 @@ class Writer {
 
 }  // namespace
 
-std::string structured_text(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
+std::string structured_text(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                            const DriveCurves& drives) {
   if (origin.variant == ExportVariant::single) {
     throw InvalidArgument("--variant float: expected with --target c99 or linuxcnc, got st: use one-step");
   }
-  const ExportedMachine exported(robot, errors, origin);
+  const ExportedMachine exported(robot, errors, origin, drives);
   Values values = head(robot, origin);
   add_head(robot, exported, values);
   return Writer(robot, exported, std::move(values)).text();

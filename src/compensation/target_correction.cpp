@@ -20,8 +20,8 @@ namespace {
 /// Of a plate that stays level: the machine's parameters with the controller's robot as the nominal one.
 std::optional<CompensatorParameters<double>> level_parameters(const Robot& robot, const SourceErrors& errors,
                                                               const Robot& controller, const DriveCurves& drives) {
-  if (!robot.is_level() || !drives.are_even()) return std::nullopt;
-  CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
+  if (!robot.is_level()) return std::nullopt;
+  CompensatorParameters<double> parameters = compensator_parameters(robot, errors, drives);
   parameters.nominal = compensator_parameters(controller, {}).nominal;
   return parameters;
 }

@@ -139,7 +139,28 @@ Machine built_for_export(const Robot& robot, const SourceErrors& errors) {
   return build(robot, errors);
 }
 
-ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal) {
+namespace {
+
+/// A controller refuses numbers that are 0, as those that nobody wrote.
+double no_zero(double number) {
+  constexpr double kNothing = 1e-30;
+  return std::abs(number) < kNothing ? kNothing : number;
+}
+
+/// The curve of an even drive is nothing, too.
+void add_drive(const DriveCurve<double>& curve, std::size_t limb, ParameterSet& set) {
+  const auto add = [&](const std::string& what, double number) {
+    set.names.push_back(fmt::format("limb {} drive {}", limb + 1, what));
+    set.numbers.push_back(no_zero(number));
+  };
+  add("first", curve.first);
+  add("spacing", curve.is_even() ? 1.0 : curve.spacing);
+  for (std::size_t k = 0; k < curve.sizes.size(); ++k) add(fmt::format("size {}", k + 1), curve.sizes.at(k));
+}
+
+}  // namespace
+
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const DriveCurves& drives) {
   ParameterSet set{{}, {}, 0.0, 0.0};
   std::uint32_t hash = 2166136261U;  // FNV-1a
   const auto add = [&hash](const std::string& text) {
@@ -155,10 +176,11 @@ ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nomin
     std::string name = fmt::format("limb {} {}", symbol.limb + 1, symbol.name);
     if (symbol.index >= 0)
       name += symbol.name == "rod" ? fmt::format(" {}", symbol.index + 1) : fmt::format(" {}", "xyz"[symbol.index]);
-    add(name);
     set.names.push_back(std::move(name));
     set.numbers.push_back(symbol.value);
   }
+  for (std::size_t i = 0; !drives.are_even() && i < nominal.limb_count; ++i) add_drive(drives.of(i), i, set);
+  std::ranges::for_each(set.names, add);
   if (recorded.state_size > 0) hash ^= 1U;
   set.layout = static_cast<double>(hash % 1'000'000U);
   set.sum = set.layout;

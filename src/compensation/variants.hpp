@@ -36,6 +36,7 @@ struct ParameterSet {
   std::vector<double> numbers;
   double layout, sum;
 };
-ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal);
+/// @param drives  whose curves stand behind the numbers of the limbs where one is uneven: first, spacing, sizes.
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const DriveCurves& drives);
 
 }  // namespace paracal::compensation_detail

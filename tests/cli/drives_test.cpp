@@ -83,12 +83,37 @@ TEST_F(UnevenDrives, AreStatedAndUsed) {
   EXPECT_NEAR(poses[1]["z_mm"].get<double>(), -850.0, 1e-3);
 }
 
-/// What a controller holds is the rigid machine, and its head says what that costs.
-TEST_F(UnevenDrives, ExportsSayWhatTheyLeaveOut) {
+/// A compensated pose and its joints, from an export whose self-test is of the machine with its drives.
+TEST_F(UnevenDrives, AreExportedToControllers) {
+  const std::string joints = without_comments(out("compensate --calibration c.json --poses poses.csv"));
+  for (const char* target : {"c99", "st", "linuxcnc"}) {
+    const std::string text = out(fmt::format("export --calibration c.json --target {}", target)).substr(0, 3000);
+    EXPECT_THAT(text, HasSubstr("; uneven drives included")) << target;
+    EXPECT_THAT(text, Not(HasSubstr("drives are omitted"))) << target;
+  }
+  const json parameters = json::parse(out("export --calibration c.json --target json"));
+  ASSERT_EQ(parameters["drives"].size(), 3U);
+  EXPECT_EQ(parameters["drives"][0]["sizes_deg"].size(), 11U);
+  const json calibration = json::parse(folder.read("c.json"));
+  EXPECT_NEAR(parameters["drives"][0]["sizes_deg"][4].get<double>(), calibration["drives"][4]["size"].get<double>(),
+              1e-12);
+  const json& pose = parameters["self_test"][0]["pose"];
+  folder.write("centre.csv", fmt::format("x_mm,y_mm,z_mm\n{},{},{}\n", pose["x_mm"].get<double>(),
+                                         pose["y_mm"].get<double>(), pose["z_mm"].get<double>()));
+  const json compensated =
+      json::parse(out("compensate --calibration c.json --poses centre.csv --json"))["joints_deg"][0];
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(parameters["self_test"][0]["joints_deg"][i].get<double>(), compensated[i].get<double>(), 1e-9);
+  }
+}
+
+/// Who asks for the rigid machine is told what that costs.
+TEST_F(UnevenDrives, RigidExportsSayWhatTheyOmit) {
   for (const char* target : {"c99", "st", "linuxcnc", "json"}) {
-    EXPECT_THAT(out(fmt::format("export --calibration c.json --target {}", target)),
-                HasSubstr("omits the smooth errors of the drives"))
-        << target;
+    const std::string text =
+        out(fmt::format("export --rigid --calibration c.json --target {}", target)).substr(0, 3000);
+    EXPECT_THAT(text, HasSubstr("the smooth errors of the drives are omitted")) << target;
+    EXPECT_THAT(text, Not(HasSubstr("uneven drives included"))) << target;
   }
 }
 
@@ -107,8 +132,11 @@ TEST_F(UnevenDrives, DamagedDrivesAreRefused) {
   refused([](json& c) { c["drives"][2]["size"] = "much"; }, "size");
   refused([](json& c) { c["parameters"][0].erase("with_drives"); }, "with_drives");
   refused([](json& c) { c["drives"] = json::array(); }, "drives");
-  refused([](json& c) { c["drives"][0]["size"] = 100.0 * (1.0 + c["drives"][0]["size"].get<double>()); }, "covariance");
+  refused([](json& c) { c["drives"][5]["size"] = 0.15 * c["drives"][5]["spacing"].get<double>(); }, "covariance");
   refused([](json& c) { c["uses_drives"] = 1; }, "uses_drives");
+  refused([](json& c) { std::swap(c["drives"][1], c["drives"][2]); }, "equally spaced");
+  refused([](json& c) { c["drives"][2]["spacing"] = 0.9 * c["drives"][2]["spacing"].get<double>(); }, "equally spaced");
+  refused([](json& c) { c["drives"][5]["size"] = 0.3 * c["drives"][5]["spacing"].get<double>(); }, "change by less");
 }
 
 TEST(EvenDrives, AreNotMentioned) {
@@ -118,7 +146,7 @@ TEST(EvenDrives, AreNotMentioned) {
   EXPECT_EQ(result.exit_code, kDone) << result.err;
   EXPECT_THAT(result.out, Not(HasSubstr("uneven drives: with")));
   EXPECT_THAT(folder.run("export --robot rotary_delta --calibration c.json --target c99").out,
-              Not(HasSubstr("smooth errors")));
+              Not(HasSubstr("neven drives")));
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ Answer answer_of(const CLibrary& library, const Robot& robot, const Pose& pose, 
 
 TEST_P(CHeaderLaw, GivesTheLibrarysJointsAndFindsTheWayBack) {
   if (*PARACAL_GCC == '\0') GTEST_SKIP() << "gcc is not installed";
-  const CLibrary library(c99_header(robot, errors, kOrigin));
+  const CLibrary library(c99_header(robot, errors, kOrigin, drives));
   const auto pose_of = library.function<PoseOf>("pose_of");
   EXPECT_EQ(library.function<SelfTest>("self_test")(), 0);
   Answer answer;
@@ -124,7 +124,7 @@ TEST_P(CHeaderLaw, GivesTheLibrarysJointsAndFindsTheWayBack) {
 
 /// What cannot be commanded must be where it is held.
 TEST_P(CHeaderLaw, RefusesWhatIsNotCommanded) {
-  const CLibrary library(c99_header(robot, errors, kOrigin));
+  const CLibrary library(c99_header(robot, errors, kOrigin, drives));
   const std::vector<std::size_t> places = commanded_of(robot);
   for (std::size_t k = 0; k < 6; ++k) {
     if (std::ranges::count(places, k) > 0) continue;
@@ -138,7 +138,7 @@ TEST_P(CHeaderLaw, RefusesWhatIsNotCommanded) {
 }
 
 TEST_P(CHeaderLaw, RatesAreThoseOfTheJoints) {
-  const std::string text = c99_header(robot, errors, kOrigin);
+  const std::string text = c99_header(robot, errors, kOrigin, drives);
   const CLibrary library(text);
   const auto rates_at = [&](const Pose& pose) {
     std::vector<double> rates(robot.limb_count() * commanded_of(robot).size());
@@ -153,14 +153,14 @@ TEST_P(CHeaderLaw, RatesAreThoseOfTheJoints) {
 
 /// The numbers of a later calibration come in equal parts, without a jump, or not at all.
 TEST_P(CHeaderLaw, ChangesInEqualParts) {
-  const CLibrary library(c99_header(robot, errors, kOrigin));
+  const CLibrary library(c99_header(robot, errors, kOrigin, drives));
   SourceErrors later;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     for (const Parameter& one : robot.parameters()) {
       if (one.limb == limb) later(limb, one.source) = 1.2 * errors(limb, one.source);
     }
   }
-  std::vector<double> set = exported_set(robot, later).set;
+  std::vector<double> set = exported_set(robot, later, drives).set;
   const auto change = library.function<Change>("change");
   const auto cycle = library.function<PoseOf>("cycle");
   const std::array<double, 6> pose = numbers(random.pose(robot), robot);
@@ -170,7 +170,7 @@ TEST_P(CHeaderLaw, ChangesInEqualParts) {
   ASSERT_EQ(cycle(pose.data(), first.data()), 0);
   for (const std::size_t damaged : {std::size_t{0}, set.size() / 2, set.size() - 2, set.size() - 1}) {
     std::vector<double> partial = set;
-    partial[damaged] = damaged == 0 ? exported_set(robot, errors).set[0] : partial[damaged] + 1.0;
+    partial[damaged] = damaged == 0 ? exported_set(robot, errors, drives).set[0] : partial[damaged] + 1.0;
     if (partial == set) continue;
     EXPECT_EQ(change(partial.data(), 4), 4) << damaged;
   }
@@ -191,7 +191,7 @@ TEST_P(CHeaderLaw, ChangesInEqualParts) {
   const Machine machine = build(robot, later);
   Pose wanted{robot.workspace().centre()};
   for (std::size_t k = 0; k < 6; ++k) coordinate(wanted, robot, k) = pose.at(k);
-  const Joints joints = inverse(machine, wanted).joints;
+  const Joints joints = drives.commanded(inverse(machine, wanted).joints);
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     EXPECT_NEAR(last.at(i), joints(static_cast<Eigen::Index>(i)), tolerance());
     EXPECT_EQ(way[4].at(i), last.at(i));
@@ -209,7 +209,7 @@ TEST_P(CHeaderLaw, VariantsStateTheirError) {
   for (const ExportVariant variant : {ExportVariant::one_step, ExportVariant::single}) {
     ExportOrigin origin = kOrigin;
     origin.variant = variant;
-    const std::string text = c99_header(robot, errors, origin);
+    const std::string text = c99_header(robot, errors, origin, drives);
     const CLibrary library(text);
     EXPECT_EQ(library.function<SelfTest>("self_test")(), 0);
     const std::string before = "error        at most ";
@@ -220,7 +220,7 @@ TEST_P(CHeaderLaw, VariantsStateTheirError) {
       const Pose pose = random.pose(robot);
       const Answer answer = answer_of(library, robot, pose);
       ASSERT_EQ(answer.status, 0);
-      const Joints joints = compensated_joints(robot, answer.joints);
+      const Joints joints = drives.actual(compensated_joints(robot, answer.joints));
       const ForwardResult reached = forward(machine, joints, {.start = plate_at(machine, pose)});
       ASSERT_TRUE(reached.ok());
       worst = std::max(worst, 1e3 * (reached.plate.position - pose.position).norm());

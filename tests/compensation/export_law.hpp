@@ -49,8 +49,8 @@ inline double& coordinate(Pose& pose, const Robot& robot, std::size_t place) {
   return k < 3 ? pose.position(k) : pose.tilt(k - 3);
 }
 
-/// A robot with errors of both groups ("tilts"), of the position group alone ("level"), or with a single one, so that
-/// many of its constants are 0 or 1 ("single").
+/// A robot with errors of both groups ("tilts"), of the position group alone ("level"), with a single one, so that many
+/// of its constants are 0 or 1 ("single"), or with errors of both groups and uneven drives ("drives").
 class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std::string_view>> {
  protected:
   ExportLaw() {
@@ -60,13 +60,16 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
         errors(one.limb, one.source) = random.uniform(-one.tolerance, one.tolerance);
       }
     }
+    if (std::get<1>(GetParam()) == "drives") drives = uneven_drives();
     if (std::get<1>(GetParam()) == "level") errors = without_tilt_group(errors);
     if (std::get<1>(GetParam()) != "single") return;
     errors = SourceErrors();
     errors(1, "rod_difference") = 0.3;
   }
 
-  CompensatorParameters<double> parameters() const { return compensator_parameters(robot, errors); }
+  CompensatorParameters<double> parameters() const { return compensator_parameters(robot, errors, drives); }
+
+  Joints library_joints(const Pose& pose) const { return drives.commanded(inverse(build(robot, errors), pose).joints); }
 
   Answer expected(const Pose& pose) const {
     Answer answer;
@@ -95,7 +98,7 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
       const Pose pose = random.pose(robot);
       const InverseResult library = inverse(machine, pose);
       Answer wanted{.status = 0, .joints = {}, .tilt = {}};
-      std::ranges::copy(library.joints, wanted.joints.begin());
+      std::ranges::copy(drives.commanded(library.joints), wanted.joints.begin());
       ASSERT_TRUE(library.ok());
       const Answer answer = answer_to(pose);
       ASSERT_EQ(answer.status, 0);
@@ -165,7 +168,6 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
   /// them by their size; the head of the export says by how much.
   template <typename Task>
   void hold_rates(Task&& rates_at, double most) {
-    const Machine machine = build(robot, errors);
     const std::vector<std::size_t> places = commanded_of(robot);
     double worst = 0.0;
     for (int count = 0; count < 100; ++count) {
@@ -177,7 +179,7 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
         Pose up = pose, down = pose;
         coordinate(up, robot, places[k]) += step;
         coordinate(down, robot, places[k]) -= step;
-        const Joints by = (inverse(machine, up).joints - inverse(machine, down).joints) / (2.0 * step);
+        const Joints by = (library_joints(up) - library_joints(down)) / (2.0 * step);
         for (std::size_t i = 0; i < robot.limb_count(); ++i) {
           const double off = rates[i * places.size() + k] - by(static_cast<Eigen::Index>(i));
           worst = std::max(worst, std::abs(off) / by.cwiseAbs().maxCoeff());
@@ -197,7 +199,7 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
     geometry.base_radius += 0.1;
     geometry.arm += 0.1;
     for (LimbDescription& limb : geometry.limbs) limb.base *= 1.0 + 1e-4;
-    return exported_set(Robot(larger), errors).set;
+    return exported_set(Robot(larger), errors, drives).set;
   }
 
   /// What a head says of the error of rates: that of the closed form.
@@ -207,8 +209,30 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
     return at == std::string::npos ? 0.0 : std::stod(text.substr(at + before.size()));
   }
 
+  /// Off by a few hundredths of a degree, and with slopes of a few hundredths.
+  DriveCurves uneven_drives() {
+    Joints low = Joints::Constant(static_cast<Eigen::Index>(robot.limb_count()), 1e9), high = -low;
+    for (int k = 0; k < 200; ++k) {
+      const InverseResult found = inverse(robot.nominal(), random.pose(robot));
+      low = low.cwiseMin(found.joints);
+      high = high.cwiseMax(found.joints);
+    }
+    std::vector<SoughtSource> knots;
+    std::vector<double> sizes;
+    for (Eigen::Index i = 0; i < low.size(); ++i) {
+      if (low.size() > 3 && i == 1) continue;  // an even one among them
+      const double spacing = (high(i) - low(i)) / 8.0;
+      for (int k = 0; k < 11; ++k) {
+        knots.push_back({.limb = static_cast<std::size_t>(i), .knot = SplineKnot{low(i) + (k - 1) * spacing, spacing}});
+        sizes.push_back(0.02 * spacing * random.uniform(-1.0, 1.0));
+      }
+    }
+    return {knots, Eigen::Map<const Eigen::VectorXd>(sizes.data(), std::ssize(sizes))};
+  }
+
   Robot robot = robot_named(std::get<0>(GetParam()));
   Random random;
+  DriveCurves drives;
   SourceErrors errors = robot.is_level() ? random.realistic_errors(robot) : SourceErrors();
 };
 
@@ -218,14 +242,14 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
       Robots, suite,                                                                                                  \
       testing::Combine(testing::Values(std::string_view("huang2016"), "rotary_delta", "linear_delta", "unlike_limbs", \
                                        "inclined_rails"),                                                             \
-                       testing::Values(std::string_view("tilts"), "level", "single")),                                \
+                       testing::Values(std::string_view("tilts"), "level", "single", "drives")),                      \
       [](const auto& one) { return fmt::format("{}_{}", std::get<0>(one.param), std::get<1>(one.param)); });          \
   INSTANTIATE_TEST_SUITE_P(OtherRobots, suite,                                                                        \
                            testing::Combine(testing::Values(std::string_view("hexapod"), "five-bar", "line-printer",  \
                                                             "planar-rails", "mixed_limbs", "seven_struts"),           \
-                                            testing::Values(std::string_view("tilts"))),                              \
+                                            testing::Values(std::string_view("tilts"), "drives")),                    \
                            [](const auto& one) {                                                                      \
-                             std::string name(std::get<0>(one.param));                                                \
+                             std::string name = fmt::format("{}_{}", std::get<0>(one.param), std::get<1>(one.param)); \
                              std::ranges::replace(name, '-', '_');                                                    \
                              return name;                                                                             \
                            })

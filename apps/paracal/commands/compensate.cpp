@@ -56,8 +56,7 @@ Corrected known_machine(const CompensateArguments& options, const Robot& robot, 
   const io::JsonFile& file = session.calibration_file(as_errors ? options.errors : options.calibration);
   const io::CalibratedMachine machine = as_errors ? io::read_calibration(file, robot)
                                                   : checked_calibration(file, options.controller, robot, options.style);
-  const bool is_rigid = options.rigid || options.way != "exact";  // the linear methods know no drives
-  Corrected corrected{is_rigid ? machine.rigid() : machine.known(), machine.controller};
+  Corrected corrected{options.rigid ? machine.rigid() : machine.known(), machine.controller};
   if (as_errors) corrected.known.covariance = {};
   return corrected;
 }
@@ -221,7 +220,7 @@ void add_compensate(Command& program, Session& session) {
       ->check(one_of({"exact", "tilt-aware", "linear"}));
   command->add_flag("--targets", options->targets,
                     "print corrected targets (CSV) for a controller that uses the nominal dimensions");
-  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives, as code for controllers does");
+  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives");
   add_controller_options(*command, options->controller);
   add_json_lines_option(*command, options->json_lines);
   add_table_options(*command, options->style);

@@ -28,9 +28,23 @@ struct ExportArguments {
 };
 
 /// Targets that are texts made of the calibration alone.
-using WriteText = std::string(const Robot&, const SourceErrors&, const ExportOrigin&);
+using WriteText = std::string(const Robot&, const SourceErrors&, const ExportOrigin&, const DriveCurves&);
+
+/// LinuxCNC's own kinematics have no place for uneven drives.
+std::string even_genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                            const DriveCurves& /*even*/) {
+  return genhexkins(robot, errors, origin);
+}
+
 const std::map<std::string, WriteText*> kTexts{
-    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}, {"genhexkins", genhexkins}};
+    {"c99", c99_header}, {"linuxcnc", linuxcnc_component}, {"st", structured_text}, {"genhexkins", even_genhexkins}};
+
+/// A machine as a target holds it.
+struct HeldMachine {
+  const Robot& robot;
+  SourceErrors errors;
+  DriveCurves drives;
+};
 
 const std::map<std::string, ExportVariant> kVariants{
     {"exact", ExportVariant::exact}, {"one-step", ExportVariant::one_step}, {"float", ExportVariant::single}};
@@ -45,8 +59,8 @@ struct JointTruth {
     std::vector<std::string> lines = controller_assumptions(controller, robot);
     if (loss > 0.0) {
       lines.push_back(
-          fmt::format("even drives: this target omits the smooth errors of the drives, which costs up to {:.2g} mm "
-                      "in distances to home; compensate uses them",
+          fmt::format("even drives: the smooth errors of the drives are omitted, which costs up to {:.2g} mm in "
+                      "distances to home",
                       loss));
     }
     return lines;
@@ -69,12 +83,12 @@ struct JointTruth {
   }
 };
 
-void export_text(const std::string& target, const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+void export_text(const std::string& target, const HeldMachine& held, const ExportOrigin& origin,
                  const JointTruth& truth, Session& session) {
-  const std::string text = kTexts.at(target)(robot, errors, origin);
+  const std::string text = kTexts.at(target)(held.robot, held.errors, origin, held.drives);
   if (!session.json()) return session.print(text);
   io::Json json{{"target", target}};
-  json.update(io::to_json(robot, origin));
+  json.update(io::to_json(held.robot, origin));
   truth.add_to(json);
   json["text"] = text;
   session.print_json(json);
@@ -87,13 +101,13 @@ std::string listed(const std::vector<std::string>& lines) {
 }
 
 /// The folder of a controller's whole configuration, and what is to be done in it.
-void export_configuration(const OutputFolder& folder, const Robot& robot, const SourceErrors& errors,
-                          const ExportOrigin& origin, const JointTruth& truth, Session& session) {
-  const std::map<std::string, std::string> files = linuxcnc_configuration(robot, errors, origin);
+void export_configuration(const OutputFolder& folder, const HeldMachine& held, const ExportOrigin& origin,
+                          const JointTruth& truth, Session& session) {
+  const std::map<std::string, std::string> files = linuxcnc_configuration(held.robot, held.errors, origin, held.drives);
   const std::string name = folder.path().string();
   if (session.json()) {
     io::Json json{{"target", "linuxcnc"}};
-    json.update(io::to_json(robot, origin));
+    json.update(io::to_json(held.robot, origin));
     truth.add_to(json);
     json["folder"] = name;
     for (const auto& [file, text] : files) json["files"].push_back(file);
@@ -107,16 +121,16 @@ void export_configuration(const OutputFolder& folder, const Robot& robot, const 
   folder.write(files);
 }
 
-void export_json(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, const JointTruth& truth,
-                 Session& session) {
-  const CompensatorParameters<double> parameters = compensator_parameters(robot, errors);
-  const ExportedSet set = exported_set(robot, errors);
+void export_json(const HeldMachine& held, const ExportOrigin& origin, const JointTruth& truth, Session& session) {
+  const auto& [robot, errors, drives] = held;
+  const CompensatorParameters<double> parameters = compensator_parameters(robot, errors, drives);
+  const ExportedSet set = exported_set(robot, errors, drives);
   io::Json json{{"format", "paracal compensator 1"}, {"target", "json"}};
   json.update(io::to_json(robot, origin));
   truth.add_to(json);
   json.update(io::to_json(parameters));
   json["set"] = {{"names", set.names}, {"numbers", set.set}};
-  for (const SelfTestCase& wanted : self_test(robot, build(robot, errors))) {
+  for (const SelfTestCase& wanted : self_test(robot, build(robot, errors), drives)) {
     json["self_test"].push_back(io::to_json(wanted, robot.actuator(), robot.commands_tilt()));
   }
   session.print_json(json);
@@ -141,7 +155,6 @@ void run(const ExportArguments& options, Session& session) {
   const Robot robot = session.robot({.calibrations = {options.calibration}});
   const io::JsonFile& file = session.calibration_file(options.calibration);
   const io::CalibratedMachine machine = checked_calibration(file, options.controller, robot);
-  const SourceErrors& errors = machine.errors;
   if (options.variant != "exact" && (options.target == "genhexkins" || !kTexts.contains(options.target))) {
     throw WrongUsage(fmt::format("--variant: expected with --target c99, linuxcnc or st, got {}", options.target));
   }
@@ -163,11 +176,15 @@ void run(const ExportArguments& options, Session& session) {
         "--in-place, --partial, --check and --header: expected only with --target gcode or csv");
   }
   origin.variant = kVariants.at(options.variant);
-  const JointTruth truth{robot, controller, loss_without_drives(robot, machine.known(), errors)};
+  const bool is_rigid = options.rigid || options.target == "genhexkins";
+  const KnownErrors known = is_rigid ? machine.rigid() : machine.known();
+  const JointTruth truth{robot, controller,
+                         is_rigid ? loss_without_drives(robot, machine.known(), machine.errors) : 0.0};
   origin.remarks = truth.remarks();
-  if (folder) return export_configuration(*folder, robot, errors, origin, truth, session);
-  options.target == "json" ? export_json(robot, errors, origin, truth, session)
-                           : export_text(options.target, robot, errors, origin, truth, session);
+  const HeldMachine held{robot, known.errors, known.drives()};
+  if (folder) return export_configuration(*folder, held, origin, truth, session);
+  options.target == "json" ? export_json(held, origin, truth, session)
+                           : export_text(options.target, held, origin, truth, session);
 }
 
 void add_dialect_option(Command& command, std::optional<io::GcodeDialect>& dialect) {
@@ -211,8 +228,8 @@ void add_export(Command& program, Session& session) {
           "linuxcnc: write a complete configuration with simulated motors into this new or empty folder")
       ->takes("FOLDER");
   add_controller_options(*command, options->controller);
+  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives, as genhexkins always does");
   command->heading("Part programs and tables (--target gcode, csv)");
-  command->add_flag("--rigid", options->rigid, "omit the smooth errors of the drives, as the other targets do");
   command->add_option("--input", options->filter.input, "file to correct (default: standard input)");
   command->heading("Part programs (--target gcode)");
   command

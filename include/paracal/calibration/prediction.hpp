@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "paracal/calibration/calibration.hpp"
@@ -10,6 +11,7 @@
 #include "paracal/kinematics/closure.hpp"
 #include "paracal/kinematics/exact_jacobian.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "paracal/mechanism/drive_curve.hpp"
 #include "paracal/mechanism/machine.hpp"
 
 namespace paracal {
@@ -19,22 +21,26 @@ class DriveCurves {
  public:
   DriveCurves() = default;
   /// @param sizes  of the knots among the parameters, which stand last; empty: drives are even.
+  /// @throws InvalidArgument where there is a complaint().
   DriveCurves(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes);
 
-  bool are_even() const { return splines_.empty(); }
-  double off(std::size_t limb, double joint) const;
+  /// Empty where each joint has at most kDriveKnots equally spaced knots, and errors that change by less than
+  /// kSteepestDrive of the way.
+  static std::optional<std::string> complaint(const std::vector<SoughtSource>& parameters,
+                                              const Eigen::VectorXd& sizes);
+
+  bool are_even() const { return curves_.empty(); }
+  DriveCurve<double> of(std::size_t limb) const { return limb < curves_.size() ? curves_[limb] : DriveCurve<double>(); }
+  double off(std::size_t limb, double joint) const { return of(limb).off(joint); }
   /// q + s(q): where the joints are that are commanded to q.
   Joints actual(const Joints& commanded) const;
   /// q with q + s(q) = actual.
   Joints commanded(const Joints& actual) const;
 
  private:
-  struct Spline {
-    std::size_t limb;
-    SplineKnot knot;
-    double size;
-  };
-  std::vector<Spline> splines_ = {};
+  std::optional<std::string> take(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes);
+
+  std::vector<DriveCurve<double>> curves_ = {};  ///< of each limb
 };
 
 /// Source errors known with a covariance: what predictions are made from. Built from a Calibration, a calibration file,

@@ -1,9 +1,9 @@
 #pragma once
 
 // The compensator that runs in a controller: from a commanded pose to the joint coordinates that bring the identified
-// machine there. This header, machine_closure.hpp and limb_closure.hpp need only the standard library and may be copied
-// alone. Everything in them is real-time safe: noexcept, no allocation, no lock, no exception, no unbounded loop, no
-// state between calls.
+// machine there. This header, machine_closure.hpp, limb_closure.hpp and drive_curve.hpp need only the standard library
+// and may be copied alone. Everything in them is real-time safe: noexcept, no allocation, no lock, no exception, no
+// unbounded loop, no state between calls.
 //
 // Its parameters are computed once, outside the control thread, by compensator_parameters (parameters.hpp).
 
@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "paracal/mechanism/drive_curve.hpp"
 #include "paracal/mechanism/machine_closure.hpp"
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -37,6 +38,7 @@ struct CompensatorParameters {
   std::array<std::array<Scalar, 8>, kLevelLimbs> position_errors{};
   /// dp_e of each limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
   std::array<std::array<Scalar, 6>, kLevelLimbs> tilt_errors{};
+  std::array<DriveCurve<Scalar>, kCompensatorLimbs> drives{};
   std::array<Scalar, 2> held_z{};  ///< twice where guides hold z, mm
   std::uint32_t limb_count = 0;
   std::uint32_t tilts_plate = 0;  ///< 1: errors of limbs with two rods turn the plate
@@ -51,6 +53,7 @@ CompensatorParameters<Scalar> without_errors(const CompensatorParameters<Scalar>
   nominal.identified = parameters.nominal;
   nominal.position_errors = {};
   nominal.tilt_errors = {};
+  nominal.drives = {};
   nominal.tilts_plate = 0;
   return nominal;
 }
@@ -259,6 +262,7 @@ template <typename Scalar>
   ClosureVector<Scalar> remaining{};
   status = compensation_detail::compensate_limbs(parameters, way, pose, answer, remaining);
   if (status != CompensationStatus::ok) return status;
+  for (std::size_t i = 0; i < parameters.limb_count; ++i) answer[i] = parameters.drives[i].commanded(answer[i]);
   joints = answer;
   if (tilt != nullptr) *tilt = {remaining[0], remaining[1], remaining[2]};
   return status;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/robot.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
@@ -31,7 +32,7 @@ struct ExportedSet {
   std::vector<std::string> names;  ///< "limb 1 base x"; of the numbers
   std::vector<double> set;
 };
-ExportedSet exported_set(const Robot& robot, const SourceErrors& errors);
+ExportedSet exported_set(const Robot& robot, const SourceErrors& errors, const DriveCurves& drives = {});
 
 /// Text, such as a file name, that cannot end a comment or a string of any target.
 std::string harmless(std::string text);
@@ -41,12 +42,14 @@ std::string harmless(std::string text);
 /// the numbers of a later calibration, and a self-test with its data. It needs sqrt, sin, cos and atan2.
 /// @throws Unreachable when the machine does not reach the centre of the robot's workspace; InvalidArgument for robots
 /// without compensator.
-std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+std::string c99_header(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                       const DriveCurves& drives = {});
 
 /// The same as a component of LinuxCNC, to be built by halcompile from a file named paracal_kins.comp: kinematics
 /// (forward and inverse) and, for tests, HAL functions between pins.
 /// @throws as c99_header.
-std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+std::string linuxcnc_component(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                               const DriveCurves& drives = {});
 
 /// A plate on struts for LinuxCNC's own genhexkins: the 36 coordinates of its joints, and the lengths and gains of its
 /// drives, as HAL lines.
@@ -59,12 +62,13 @@ std::string genhexkins(const Robot& robot, const SourceErrors& errors, const Exp
 /// carriages and struts) on each side. Speeds are examples.
 /// @throws as c99_header.
 std::map<std::string, std::string> linuxcnc_configuration(const Robot& robot, const SourceErrors& errors,
-                                                          const ExportOrigin& origin);
+                                                          const ExportOrigin& origin, const DriveCurves& drives = {});
 
 /// The compensator as IEC 61131-3 Structured Text for programmable controllers: function blocks paracal_compensator,
 /// paracal_jacobian, paracal_forward, paracal_changing and paracal_self_test, in the common subset of CODESYS, TwinCAT
 /// and matiec. It never takes the root of a negative number and never divides by zero.
 /// @throws as c99_header; InvalidArgument for the variant in float.
-std::string structured_text(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin);
+std::string structured_text(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                            const DriveCurves& drives = {});
 
 }  // namespace paracal

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/stated_uncertainty.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/closure_limb.hpp"
@@ -17,13 +18,17 @@ namespace paracal {
 bool has_compensator(const Robot& robot);
 
 /// Parameters of the compensator for a machine with these (identified) errors, mm and rad, rounded to Scalar last.
+/// @param drives  whose smooth errors the joints make up for, where they are uneven.
 /// @throws InvalidArgument unless has_compensator().
 /// Instantiated for double and float. Real-time: no; compute them before the control thread needs them.
 template <typename Scalar = double>
-CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                     const DriveCurves& drives = {});
 
-extern template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors);
-extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors);
+extern template CompensatorParameters<double> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                                     const DriveCurves& drives);
+extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors,
+                                                                    const DriveCurves& drives);
 
 /// Covariance of identified errors for the compensator.
 /// @param parameters  of the rows: any type with `limb` (from 0) and `source`, as in a Calibration.

@@ -28,9 +28,9 @@ void compensate_path(const CompensatorParameters<double>& parameters, std::span<
 /// with the joints that bring the identified machine to each pose. They agree with corrected_target within 1e-9 mm and
 /// rad in the workspace, within 1e-7 mm far outside.
 ///
-/// @param targets  one per pose; nothing if the lanes find none: the machine does not stay level, the pose is out of
-/// reach, rods hardly hold the plate
-///                 there, or the target is farther than 50 mm away. corrected_target may still find one.
+/// @param targets  one per pose; nothing if the lanes find none: the machine does not stay level, a drive is uneven,
+///                 the pose is out of reach, rods hardly hold the plate there, or the target is farther than 50 mm
+///                 away. corrected_target may still find one.
 /// @throws std::invalid_argument  when the sizes differ.
 void nominal_targets(const CompensatorParameters<double>& parameters, std::span<const CompensatorPose<double>> poses,
                      std::span<std::optional<CompensatorPose<double>>> targets);

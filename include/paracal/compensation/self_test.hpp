@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "paracal/calibration/prediction.hpp"
 #include "paracal/mechanism/robot.hpp"
 
 namespace paracal {
@@ -14,6 +15,7 @@ struct SelfTestCase {
 
 /// The centre of the workspace and its rims, in all tilts, as far as the machine reaches them.
 /// @throws Unreachable when it does not reach the centre.
-std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine);
+/// @param drives  that the joints make up for.
+std::vector<SelfTestCase> self_test(const Robot& robot, const Machine& machine, const DriveCurves& drives = {});
 
 }  // namespace paracal

@@ -51,7 +51,7 @@ class TargetCorrection {
   Robot robot_, controller_;
   Machine machine_;
   DriveCurves drives_;
-  std::optional<CompensatorParameters<double>> level_;  ///< of a plate that stays level, by even drives: faster
+  std::optional<CompensatorParameters<double>> level_;  ///< of a plate that stays level
 };
 
 }  // namespace paracal

@@ -20,12 +20,7 @@
 
 namespace paracal {
 
-double SplineKnot::at(double joint) const {
-  const double x = std::abs(joint - centre) / spacing;
-  if (x >= 2.0) return 0.0;
-  const double rest = 2.0 - x;
-  return x < 1.0 ? 2.0 / 3.0 - x * x * (1.0 - 0.5 * x) : rest * rest * rest / 6.0;
-}
+double SplineKnot::at(double joint) const { return cubic_bump((joint - centre) / spacing); }
 
 double coverage_factor(double dof) {
   constexpr double kEachTail = 0.02275;  // of a standard normal variable beyond 2
@@ -59,39 +54,81 @@ Eigen::MatrixXd KnownErrors::pose_covariance() const {
   return all;
 }
 
-DriveCurves::DriveCurves(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes) {
-  const std::size_t first = parameters.size() - static_cast<std::size_t>(sizes.size());
-  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
-    const SoughtSource& one = parameters[first + static_cast<std::size_t>(k)];
-    splines_.push_back({one.limb, one.knot.value(), sizes(k)});
+namespace {
+
+/// Adds a knot of a joint behind the `count` that it has.
+/// @returns whether it is the next of equally spaced ones.
+bool add_knot(const SplineKnot& knot, double size, std::size_t count, DriveCurve<double>& curve) {
+  constexpr double kRounding = 1e-6;
+  if (count == kDriveKnots) return false;
+  if (count == 0) {
+    curve.first = knot.centre;
+    curve.spacing = knot.spacing;
   }
+  curve.sizes.at(count) = size;
+  const double place = (knot.centre - curve.first) / curve.spacing - static_cast<double>(count);
+  return std::abs(place) < kRounding && std::abs(knot.spacing / curve.spacing - 1.0) < kRounding;
 }
 
-double DriveCurves::off(std::size_t limb, double joint) const {
-  double sum = 0.0;
-  for (const Spline& one : splines_) {
-    if (one.limb == limb) sum += one.size * one.knot.at(joint);
+/// The slope of a cubic spline is between the differences of its sizes.
+double steepest(const DriveCurve<double>& curve) {
+  double before = 0.0, largest = 0.0;
+  for (const double size : curve.sizes) {
+    largest = std::max(largest, std::abs(size - before));
+    before = size;
   }
-  return sum;
+  return std::max(largest, std::abs(before)) / curve.spacing;
+}
+
+}  // namespace
+
+std::optional<std::string> DriveCurves::take(const std::vector<SoughtSource>& parameters,
+                                             const Eigen::VectorXd& sizes) {
+  const std::size_t first = parameters.size() - static_cast<std::size_t>(sizes.size());
+  std::vector<std::size_t> counts;
+  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
+    const SoughtSource& one = parameters[first + static_cast<std::size_t>(k)];
+    curves_.resize(std::max(curves_.size(), one.limb + 1));
+    counts.resize(curves_.size());
+    if (add_knot(one.knot.value(), sizes(k), counts[one.limb]++, curves_[one.limb])) continue;
+    return fmt::format(
+        "expected at most {} equally spaced splines for each joint, one behind the other, got others "
+        "for limb {}",
+        kDriveKnots, one.limb + 1);
+  }
+  for (std::size_t i = 0; i < curves_.size(); ++i) {
+    if (curves_[i].is_even() || steepest(curves_[i]) < kSteepestDrive) continue;
+    return fmt::format(
+        "expected sizes that change by less than {} of the spacing from one spline to the next, got "
+        "{:.3g} for limb {}",
+        kSteepestDrive, steepest(curves_[i]), i + 1);
+  }
+  return std::nullopt;
+}
+
+DriveCurves::DriveCurves(const std::vector<SoughtSource>& parameters, const Eigen::VectorXd& sizes) {
+  if (const auto complaint = take(parameters, sizes)) throw InvalidArgument("drives: " + *complaint);
+}
+
+std::optional<std::string> DriveCurves::complaint(const std::vector<SoughtSource>& parameters,
+                                                  const Eigen::VectorXd& sizes) {
+  return DriveCurves().take(parameters, sizes);
 }
 
 Joints DriveCurves::actual(const Joints& commanded) const {
   Joints joints = commanded;
-  for (const Spline& one : splines_) {
-    const auto limb = static_cast<Eigen::Index>(one.limb);
-    joints(limb) += one.size * one.knot.at(commanded(limb));
+  for (std::size_t i = 0; i < curves_.size(); ++i) {
+    double& joint = joints(static_cast<Eigen::Index>(i));
+    joint += curves_[i].off(joint);
   }
   return joints;
 }
 
 Joints DriveCurves::commanded(const Joints& actual) const {
-  constexpr int kSteps = 20;          // each gains two digits and more: curves are far less steep than 1
-  constexpr double kNothing = 1e-13;  // rad or mm
   Joints joints = actual;
-  for (int step = 0; step < kSteps && !are_even(); ++step) {
-    const Joints off = this->actual(joints) - actual;
-    joints -= off;
-    if (off.cwiseAbs().maxCoeff() < kNothing) break;
+  for (std::size_t i = 0; i < curves_.size(); ++i) {
+    double& joint = joints(static_cast<Eigen::Index>(i));
+    joint = curves_[i].commanded(joint);
   }
   return joints;
 }

@@ -25,8 +25,9 @@ double square_by_joints(const StageFit& fit) {
 }  // namespace
 
 DriveSplines drive_splines(const Robot& robot, const std::vector<Station>& stations, double length) {
-  constexpr double kIntervals = 8.0;  // of a stroke: splines as far apart as that follow a length of 0.15
-  constexpr int kKnots = 11;          // each end has one more outside
+  constexpr int kKnots = kDriveKnots;  // each end has one more outside
+  constexpr auto kIntervals =
+      static_cast<double>(kKnots - 3);  // of a stroke: as far apart they follow a length of 0.15
   const auto joints = static_cast<Eigen::Index>(robot.limb_count());
   Eigen::VectorXd low = Eigen::VectorXd::Constant(joints, 1e300), high = -low;
   const auto take = [&](const Station& station) {

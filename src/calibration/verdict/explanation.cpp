@@ -253,8 +253,11 @@ std::optional<Explanation> explained(StageFit& fit, const Measurements& measurem
   }
   const Eigen::Index n = found->noise.rows();
   if (found->omitted_poses && found->omitted_poses->gain() > options.discrepancies.least_gain_of_drives) {
-    found->with_drives = found->means.head(n);
-    found->drive_sizes = found->means.tail(found->means.size() - n);
+    const Eigen::VectorXd sizes = found->means.tail(found->means.size() - n);
+    if (!DriveCurves::complaint(found->drives, sizes)) {
+      found->with_drives = found->means.head(n);
+      found->drive_sizes = sizes;
+    }
   }
   Eigen::VectorXd off = found->means;  // from the machine of the fit, which has no splines
   off.head(n) -= fit.fit().parameters.tail(n);

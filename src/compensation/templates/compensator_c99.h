@@ -96,7 +96,7 @@ static inline void paracal_rates(const double p[PARACAL_NUMBERS], const double p
                                  double rates[PARACAL_LIMBS * PARACAL_FREE]) {
 $RATES$}
 
-$SEARCH$/* PARACAL_OK if the plate can be commanded to a pose. */
+$SEARCH$$DRIVES$/* PARACAL_OK if the plate can be commanded to a pose. */
 static inline int paracal_check(const double pose[6]) {
   int k;
   for (k = 0; k < 6; ++k) {
@@ -119,7 +119,7 @@ $STATE$  if (outcome != PARACAL_OK) { return outcome; }
   for (i = 0; i < PARACAL_LIMBS; ++i) {
     if (!paracal_is_finite(found[i])) { return PARACAL_UNREACHABLE; }
   }
-$SETTLE$  for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = found[i]; }
+$SETTLE$$COMMAND$  for (i = 0; i < PARACAL_LIMBS; ++i) { joints[i] = found[i]; }
   if (plate != NULL) {
     for (i = 0; i < 6; ++i) { plate[i] = (paracal_is_held[i] != 0) ? paracal_held[i] : pose[i]; }
 $PLATE_TILT$  }
@@ -141,7 +141,7 @@ static inline int paracal_jacobian_with(const struct paracal_numbers* numbers, c
   const int outcome = paracal_compensate_with(numbers, pose, joints, NULL);
   if (outcome != PARACAL_OK) { return outcome; }
   paracal_rates(numbers->exact, pose, found);
-  for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) {
+$COMMAND_RATES$  for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) {
     if (!paracal_is_finite(found[k])) { return PARACAL_SINGULAR; }
   }
   for (k = 0; k < (PARACAL_LIMBS * PARACAL_FREE); ++k) { rates[k] = found[k]; }

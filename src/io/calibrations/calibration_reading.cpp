@@ -205,6 +205,9 @@ void read_drive_sizes(const JsonNode& calibration, const Robot& robot, Calibrate
     const double number = size.number({-plausible::kLimit.most, plausible::kLimit.most});
     machine.drive_sizes(next++) = from_file_unit(joint_unit(robot.actuator()), number);
   }
+  if (const auto complaint = DriveCurves::complaint(machine.drives, machine.drive_sizes)) {
+    calibration.at("drives").refuse("drives: " + *complaint);
+  }
   const JsonNode omitted_poses = calibration.object_at("omitted_poses");
   machine.omitted_poses.with_drives = omitted_poses.at("with_drives_mm").number(kStd);
   machine.omitted_poses.rigid = omitted_poses.at("rigid_mm").number({plausible::kNothing, plausible::kLimit.most});

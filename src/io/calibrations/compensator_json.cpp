@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "io/tables/names.hpp"
@@ -33,6 +34,22 @@ Json limb_json(const ClosureLimb<double>& limb) {
   return json;
 }
 
+Json drive_json(const DriveCurve<double>& drive, Unit unit) {
+  const auto in_unit = [&](double number) { return to_file_unit(unit, number); };
+  return {{fmt::format("first_{}", file_unit(unit)), in_unit(drive.first)},
+          {fmt::format("spacing_{}", file_unit(unit)), in_unit(drive.spacing)},
+          {fmt::format("sizes_{}", file_unit(unit)), json_array(drive.sizes, in_unit)}};
+}
+
+/// Of each limb, where one is uneven.
+void add_drives(const CompensatorParameters<double>& parameters, Json& json) {
+  if (std::ranges::all_of(parameters.drives, [](const auto& one) { return one.is_even(); })) return;
+  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
+    const Unit unit = closure::moves_in_mm(parameters.nominal.at(i)) ? Unit::mm : Unit::rad;
+    json["drives"].push_back(drive_json(parameters.drives.at(i), unit));
+  }
+}
+
 }  // namespace
 
 Json to_json(const Robot& robot, const ExportOrigin& origin) {
@@ -45,16 +62,14 @@ Json to_json(const Robot& robot, const ExportOrigin& origin) {
 
 Json to_json(const CompensatorParameters<double>& parameters) {
   const auto of_limbs = [&](const auto& values) { return std::span(values).first(parameters.limb_count); };
-  if (parameters.is_level == 0) {
-    return {{"tilts_plate", parameters.tilts_plate != 0},
+  Json json{{"tilts_plate", parameters.tilts_plate != 0},
             {"identified", json_array(of_limbs(parameters.identified), limb_json)},
             {"nominal", json_array(of_limbs(parameters.nominal), limb_json)}};
-  }
-  return {{"tilts_plate", parameters.tilts_plate != 0},
-          {"identified", json_array(of_limbs(parameters.identified), limb_json)},
-          {"nominal", json_array(of_limbs(parameters.nominal), limb_json)},
-          {"position_errors_mm", json_array(of_limbs(parameters.position_errors))},
-          {"tilt_errors_rad", json_array(of_limbs(parameters.tilt_errors))}};
+  add_drives(parameters, json);
+  if (parameters.is_level == 0) return json;
+  json["position_errors_mm"] = json_array(of_limbs(parameters.position_errors));
+  json["tilt_errors_rad"] = json_array(of_limbs(parameters.tilt_errors));
+  return json;
 }
 
 Json to_json(const Pose& pose, bool tilts) {
