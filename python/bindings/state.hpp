@@ -66,6 +66,7 @@ PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, 
                discrepancies, seeks_discrepancies, largest_doubt, noise_to_tell, tell_chance, limits, states_use, fixed,
                free, outlier_chance, largest_chance, largest_noise_factor, largest_unstated_noise, largest_absorbed,
                largest_use_ratio, exclude_outliers, diagnose, controller)
+PARACAL_FIELDS(CalibratedRegion, low, high)
 PARACAL_FIELDS(SplineKnot, centre, spacing)
 PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)
 PARACAL_FIELDS(ParameterEstimate, limb, source, value, std, prior_std, expected, with_drives, data_share, dof, held)
@@ -87,10 +88,10 @@ PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric,
                reads_distances, rms_lengths, rms_joints, max_abs_rotation, max_orientation)
 PARACAL_FIELDS(InputFile, name, sha256)
 PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
-               noise_dof, joint_std, visit_std, drives, drive_covariance, drive_sizes, omitted_poses, components, use,
-               use_mean, rank, null_space, stages, before, after, readings, distances, points, lengths, suspects,
-               frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom, unit_weight_std, fit_probability,
-               noise, orientation_noise, chance, options, files)
+               noise_dof, joint_std, visit_std, drives, drive_covariance, drive_sizes, omitted_poses, region,
+               components, use, use_mean, rank, null_space, stages, before, after, readings, distances, points, lengths,
+               suspects, frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom, unit_weight_std,
+               fit_probability, noise, orientation_noise, chance, options, files)
 PARACAL_FIELDS(Pose, position, rotation, tilt)
 PARACAL_FIELDS(Station, name, commanded, believed, stated_in)
 PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)
@@ -101,7 +102,7 @@ PARACAL_FIELDS(LengthSeries, name, kind, readings, at)
 PARACAL_FIELDS(Measurements, stations, distances, series, lengths, files, notes)
 PARACAL_FIELDS(io::RobotStatement, robot, by, line, robot_file)
 PARACAL_FIELDS(KnownErrors, errors, parameters, covariance, noise_covariance, noise_dof, joint_std, visit_std,
-               drive_sizes)
+               drive_sizes, region)
 PARACAL_FIELDS(GivenMeasurements, readings, stated, tables)
 PARACAL_FIELDS(KnownMachine, robot, known, inputs, controller)
 #undef PARACAL_FIELDS

@@ -117,6 +117,23 @@ TEST_F(UnevenDrives, RigidExportsSayWhatTheyOmit) {
   }
 }
 
+/// Of a region from -130 to 90 mm: x = 120 mm is farther than a tenth of its width outside, -150 mm is not.
+TEST_F(UnevenDrives, PosesOutsideOfTheCalibratedRegionAreCounted) {
+  const std::string command = "compensate --calibration c.json --poses poses.csv";
+  EXPECT_THAT(out(command), Not(HasSubstr("outside of the region")));
+  EXPECT_EQ(json::parse(out(command + " --json"))["extrapolated"], 0);
+  json narrow = json::parse(folder.read("c.json"));
+  constexpr int kAlongX = 8;
+  narrow["region"]["low_mm"][kAlongX] = -130.0;
+  narrow["region"]["high_mm"][kAlongX] = 90.0;
+  folder.write("c.json", narrow.dump(1));
+  EXPECT_THAT(out(command), HasSubstr("# note: 1 of these poses lies outside of the region"));
+  EXPECT_EQ(json::parse(out(command + " --json"))["extrapolated"], 1);
+  narrow["region"] = nullptr;  // as in files of before
+  folder.write("c.json", narrow.dump(1));
+  EXPECT_EQ(json::parse(out(command + " --json"))["extrapolated"], 0);
+}
+
 /// A file that says that its drives count, but lacks a part of them, is refused with the key.
 TEST_F(UnevenDrives, DamagedDrivesAreRefused) {
   const json whole = json::parse(folder.read("c.json"));
@@ -134,6 +151,8 @@ TEST_F(UnevenDrives, DamagedDrivesAreRefused) {
   refused([](json& c) { c["drives"] = json::array(); }, "drives");
   refused([](json& c) { c["drives"][5]["size"] = 0.15 * c["drives"][5]["spacing"].get<double>(); }, "covariance");
   refused([](json& c) { c["uses_drives"] = 1; }, "uses_drives");
+  refused([](json& c) { c["region"]["low_mm"].erase(0); }, "13 numbers");
+  refused([](json& c) { std::swap(c["region"]["low_mm"], c["region"]["high_mm"]); }, "13 numbers");
   refused([](json& c) { std::swap(c["drives"][1], c["drives"][2]); }, "equally spaced");
   refused([](json& c) { c["drives"][2]["spacing"] = 0.9 * c["drives"][2]["spacing"].get<double>(); }, "equally spaced");
   refused([](json& c) { c["drives"][5]["size"] = 0.3 * c["drives"][5]["spacing"].get<double>(); }, "change by less");

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "calibration/fit/placement.hpp"
 #include "numerics/dense.hpp"
@@ -23,6 +24,7 @@
 #include "paracal/io/toml.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "support/places.hpp"
+#include "support/virtual_machines.hpp"
 
 namespace paracal::hexapods_test {
 namespace {
@@ -115,18 +117,35 @@ TEST(Nategh2009, SixCannotBeSeenInAnUnknownFrame) {
 /// Motion capture of a hexapod whose struts are cords on spools, half of its 108 poses for the fit (data/hexapod).
 class Measured : public testing::Test {
  protected:
-  /// Poses `first`, first + 2, ...
-  Measurements half(std::size_t first) const {
-    const Measurements all =
-        with_commands(robot, io::read_points(io::read_file(data("jugglebot.csv")), robot.joint_space()));
+  using Choice = std::function<bool(const Station&)>;
+
+  Measurements chosen(const Choice& is_kept) const {
+    const Measurements all = read();
     Measurements kept{.series = {{all.series[0].name, {}}}, .files = all.files};
     for (const PointReading& reading : all.series[0].readings) {
-      if (reading.station % 2 != first) continue;
+      if (!is_kept(all.stations[reading.station])) continue;
       kept.series[0].readings.push_back(reading);
       kept.series[0].readings.back().station = kept.stations.size();
       kept.stations.push_back(all.stations[reading.station]);
     }
     return kept;
+  }
+
+  /// Poses `first`, first + 2, ...
+  Measurements half(std::size_t first) const {
+    std::size_t number = 0;
+    return chosen([&](const Station&) { return number++ % 2 == first; });
+  }
+
+  Measurements read() const {
+    return with_commands(robot, io::read_points(io::read_file(data("jugglebot.csv")), robot.joint_space()));
+  }
+
+  /// Of the poses, along an axis, mm.
+  double middle(Eigen::Index axis) const {
+    std::vector<double> places;
+    for (const Station& one : read().stations) places.push_back(one.commanded.position(axis));
+    return test::quantile(places, 0.5);
   }
 
   /// By how much the struts of the calibrated machine are longer than the joints say, where readings have its plate in
@@ -243,6 +262,24 @@ TEST_F(Measured, UnevenSpoolsPredictTheOtherHalf) {
     EXPECT_GT(found.drive_sizes.size(), 0);
     EXPECT_LT(with, 0.75 * rigid);
   }
+}
+
+/// Fitted in one part of the workspace and judged in the other: the result says so, and of mixed halves it does not.
+TEST_F(Measured, ExtrapolationIsStated) {
+  const auto extrapolates = [&](const Choice& fitted, const Choice& judged) {
+    const Calibration found = calibrate(robot, chosen(fitted));
+    const std::vector<std::string> notes = validate(robot, known_errors(found), chosen(judged)).notes;
+    return std::ranges::any_of(notes, [](const std::string& one) { return one.find("extrapolates") != one.npos; });
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Choice low = [&, most = middle(axis)](const Station& one) { return one.commanded.position(axis) < most; };
+    EXPECT_TRUE(extrapolates(low, std::not_fn(low))) << axis;
+    EXPECT_TRUE(extrapolates(std::not_fn(low), low)) << axis;
+  }
+  const auto every_second = [](std::size_t first) -> Choice {
+    return [number = first](const Station&) mutable { return number++ % 2 == 0; };
+  };
+  EXPECT_FALSE(extrapolates(every_second(0), every_second(1)));
 }
 
 /// A controller whose joints are connected in another order: said, instead of errors of centimetres.

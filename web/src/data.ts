@@ -158,6 +158,7 @@ export interface Calibration {
   stages: StageReport[];
   residual_rms_mm: number | null;
   readings: number;
+  region: Region | null;
   noise_mm: number;
   orientation_noise_deg: number | null;
   degrees_of_freedom: number;
@@ -242,6 +243,10 @@ export interface StageReport {
   rank: number;
   condition: number | null;
   residual_rms_mm: number;
+}
+export interface Region {
+  low_mm: number[];
+  high_mm: number[];
 }
 export interface ErrorSummary {
   max_abs_distance_mm: number | null;

@@ -123,6 +123,14 @@ class LargestUncertainty {
   bool is_known_ = true;
 };
 
+std::string extrapolation_line(std::size_t count) {
+  if (count == 0) return "";
+  return fmt::format(
+      "# note: {} of these poses lie{} outside of the region of the calibrated poses: errors exceed U more often "
+      "there\n",
+      count, count == 1 ? "s" : "");
+}
+
 PoseCorrector corrector_of(const Robot& robot, const Corrected& machine, const std::string& way) {
   if (!robot.is_level() && way != "exact") {
     throw WrongUsage(
@@ -192,16 +200,21 @@ void run(const CompensateArguments& options, Session& session) {
   const PoseCorrector corrector = corrector_of(robot, machine, options.way);
   RowOutput rows(session, options.json_lines, json_columns(robot.actuator()));
   LargestUncertainty largest;
+  std::size_t extrapolated = 0;
   const bool knows_u = machine.known.covariance.size() > 0;
   io::read_poses(poses.rows, robot.joint_space(), [&](const Station& station) {
     if (const std::string_view why = why_not_turned(robot, station.commanded); !why.empty()) refuse(station, why);
     const Compensated row = compensated(corrector, station, options.targets);
     largest.add(row.corrected.uncertainty);
+    extrapolated += machine.known.region.is_left_by(station.commanded.position) ? 1 : 0;
     rows.add([&] { return table_row(options, robot, row, knows_u); }, [&] { return json_of(row, robot); });
   });
-  rows.head(largest.line() + controller_comments(options, assumed, robot, controller) +
-            table_header(options, robot, knows_u));
-  rows.finish({{"way", options.way}, {"assumed", assumed}, {"nominal_joints", comparison_json(robot, controller)}});
+  rows.head(largest.line() + extrapolation_line(extrapolated) +
+            controller_comments(options, assumed, robot, controller) + table_header(options, robot, knows_u));
+  rows.finish({{"way", options.way},
+               {"extrapolated", extrapolated},
+               {"assumed", assumed},
+               {"nominal_joints", comparison_json(robot, controller)}});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "paracal/calibration/calibrated_region.hpp"
 #include "paracal/calibration/controller_model.hpp"
 #include "paracal/calibration/measurement.hpp"
 #include "paracal/calibration/noise.hpp"
@@ -351,6 +352,7 @@ struct [[nodiscard]] Calibration {
   /// all that is known of them.
   Eigen::VectorXd drive_sizes = {};
   std::optional<OmittedPoses> omitted_poses = {};  ///< by which that was decided; empty: it could not be
+  CalibratedRegion region = {};                    ///< of the poses whose readings count
   std::vector<Component> components = {};          ///< causes, the most probable first
   std::optional<Use> use = {};                     ///< of any single visit; empty where no covariance could be stated
   std::optional<Use> use_mean = {};                ///< of the mean of many visits

@@ -54,6 +54,7 @@ struct KnownErrors {
   /// Of what each joint is off at each pose, the same at each visit, and anew at each visit, rad or mm; empty: none.
   Eigen::VectorXd joint_std = {}, visit_std = {};
   Eigen::VectorXd drive_sizes = {};  ///< of the splines, rad or mm; empty: the machine is rigid
+  CalibratedRegion region = {};      ///< beyond it predictions extrapolate
 
   DriveCurves drives() const { return {parameters, drive_sizes}; }
   /// C + ((k / 2)^2 - 1) C_noise: U = 2 std by this covariance. Student's k for the degrees of freedom multiplies the

@@ -112,6 +112,7 @@ struct CalibratedMachine {
   Eigen::MatrixXd drive_covariance = {};
   Eigen::VectorXd drive_sizes = {};    ///< empty: the machine is rigid
   OmittedPoses omitted_poses = {};     ///< that confirmed them
+  CalibratedRegion region = {};        ///< unknown in files of before
   std::vector<InputFile> inputs = {};  ///< of the calibration
   ControllerModel controller = {};     ///< computed joints from its commanded poses
 

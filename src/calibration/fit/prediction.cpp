@@ -172,7 +172,8 @@ KnownErrors rigid_errors(const Calibration& calibration) {
                     .noise_covariance = calibration.noise_covariance,
                     .noise_dof = calibration.noise_dof,
                     .joint_std = calibration.joint_std,
-                    .visit_std = calibration.visit_std};
+                    .visit_std = calibration.visit_std,
+                    .region = calibration.region};
   for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
   add_drives(calibration.drives, calibration.drive_covariance, known);
   return known;

@@ -93,6 +93,14 @@ void state_turned_over(const Robot& robot, Calibration& calibration) {
 }
 
 /// All readings; of more than are listed one by one those that were left out, and the worst of the others.
+CalibratedRegion region_of(const Measurements& measurements, const Observation& observation) {
+  CalibratedRegion region;
+  for (const Group& group : observation.groups()) {
+    if (group.active) region.add(measurements.stations[group.station].commanded.position);
+  }
+  return region;
+}
+
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
   constexpr std::size_t kWorst = 100;
@@ -229,6 +237,7 @@ bool state_evidence(const Measurements& measurements, const StageFit& fit,
   const bool everything = told == Told::everything;
   const Scatter scatter = fit.scatter();
   calibration.readings = observation.groups().size();
+  calibration.region = region_of(measurements, observation);
   calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
   if (everything || !has_priors(observation)) state_rank(measurements, observation, answer, calibration);
   const Spread spread = state_uncertainty(measurements, fit, scatter, everything || !explanation, calibration);

@@ -99,6 +99,23 @@ Validation judged(const Robot& robot, const KnownErrors& known, const Measuremen
   return validation;
 }
 
+/// The model of errors is checked where it was fitted, and there alone.
+void note_extrapolation(const CalibratedRegion& region, const Measurements& measurements, Validation& validation) {
+  std::size_t count = 0;
+  double farthest = 0.0;
+  for (const Station& station : measurements.stations) {
+    if (!region.is_left_by(station.commanded.position)) continue;
+    ++count;
+    farthest = std::max(farthest, region.beyond(station.commanded.position));
+  }
+  if (count == 0) return;
+  validation.notes.push_back(
+      fmt::format("{} of {} poses lie outside of the region of the calibrated poses, by up to {:.3g} mm: the "
+                  "calibration extrapolates there, and errors exceed U more often. Calibrate with poses in the whole "
+                  "workspace",
+                  count, measurements.stations.size(), farthest));
+}
+
 /// Another mount, with which bodies are turned by far less than with the one that is stated.
 std::optional<ReflectorMount> likelier_mount(const Robot& robot, const KnownErrors& known,
                                              const Measurements& measurements, ValidationOptions options,
@@ -136,6 +153,7 @@ Validation validate(const Robot& robot, const KnownErrors& known, const Measurem
     throw InvalidArgument("validation: expected at least one reading, got none");
   }
   Validation validation = judged(robot, known, measurements, options);
+  note_extrapolation(known.region, measurements, validation);
   validation.assumed = controller_assumptions(with_readings(options.controller, measurements), robot);
   if (const auto mount = likelier_mount(robot, known, measurements, options, validation.after.max_orientation)) {
     validation.refuse(fmt::format("the readings match a body with --reflectors {}: use that option", name(*mount)));

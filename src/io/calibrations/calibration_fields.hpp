@@ -164,6 +164,11 @@ struct List<CalibrationInFile> {
           kNotNegative);
     field("readings", &member<&Calibration::readings>, "number of readings; more than 20,000 are not listed one by one",
           kCount);
+    const auto region = [](const Of& in_file) {
+      const CalibratedRegion& known = in_file.of.region;
+      return known.is_known() ? std::optional(known) : std::nullopt;
+    };
+    field("region", region, "of the poses whose readings count; null: there are none");
     field("noise_mm", &member<&Calibration::noise>,
           "standard deviation of a coordinate (of a distance where no points were read), root mean square over "
           "the readings",

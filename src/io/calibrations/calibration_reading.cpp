@@ -193,6 +193,19 @@ void read_drives(const JsonNode& calibration, const Robot& robot, CalibratedMach
   require_covariance(all.covariance, *node, "drive_covariance");
 }
 
+void read_region(const JsonNode& calibration, CalibratedRegion& region) {
+  const auto node = calibration.find("region");
+  if (!node || node->json().is_null()) return;
+  region.low = node->at("low_mm").numbers();
+  region.high = node->at("high_mm").numbers();
+  const std::size_t count = CalibratedRegion::directions().size();
+  if (region.low.size() != count || region.high.size() != count ||
+      !std::ranges::equal(region.low, region.high, std::less_equal())) {
+    node->refuse(
+        fmt::format("region: expected {} numbers in low_mm, and as many in high_mm that are not below them", count));
+  }
+}
+
 /// Where the drives belong to the machine every spline has a size, and every sought error its value with them.
 void read_drive_sizes(const JsonNode& calibration, const Robot& robot, CalibratedMachine& machine) {
   const auto uses = calibration.find("uses_drives");
@@ -336,6 +349,7 @@ KnownErrors CalibratedMachine::known() const {
 
 KnownErrors CalibratedMachine::rigid() const {
   KnownErrors known{errors, {}, covariance, noise_covariance, noise_dof, joint_std, visit_std};
+  known.region = region;
   if (covariance.size() == 0) return known;
   known.parameters.reserve(parameters.size());
   for (const ParameterEstimate& one : parameters) known.parameters.push_back({one.limb, one.source});
@@ -367,6 +381,7 @@ CalibratedMachine read_calibration(const JsonFile& file, const Robot& robot) {
   const bool slides = joint_unit(actuator) == Unit::mm;
   machine.joint_std = read_joints(calibration, slides ? "joint_std_mm" : "joint_std_deg", robot);
   machine.visit_std = read_joints(calibration, slides ? "visit_std_mm" : "visit_std_deg", robot);
+  read_region(calibration, machine.region);
   read_drives(calibration, robot, machine);
   read_drive_sizes(calibration, robot, machine);
   check_statements(calibration);

@@ -168,6 +168,17 @@ struct List<OmittedPoses> {
   }
 };
 
+template <>
+struct List<CalibratedRegion> {
+  static constexpr Place kPlace{kCalibrationSchema, "region", "Region", "Where the poses of a calibration are."};
+  static void fields(auto&& field) {
+    field("low_mm", &CalibratedRegion::low,
+          "least of u . r over the poses, r in {O}, for the unit vectors u along z, y - z, y, y + z, x - y - z, x - y, "
+          "x - y + z, x - z, x, x + z, x + y - z, x + y, x + y + z");
+    field("high_mm", &CalibratedRegion::high, "the largest of each");
+  }
+};
+
 /// A pair of parameters by their names.
 struct CorrelationInFile {
   std::string one, other;
