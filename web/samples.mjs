@@ -28,6 +28,21 @@ function printerConfig(id, radius) {
   return ["[printer]", "kinematics: delta", `delta_radius: ${radius ?? set.delta_radius_mm}`, ...towers, "#*# [delta_calibrate]", ...heights, ...distances, ""].join("\n");
 }
 
+const rowsOf = (table) => table.trim().split("\n").filter((line) => !line.startsWith("#"));
+
+/// Points of a rotary Delta at 40 poses whose joints are off by up to 0.01 deg, smoothly along their stroke.
+function unevenReadings(run, at, few) {
+  const robot = ["--robot", "rotary_delta"];
+  run("poses", ...robot, "--optimal", "40", ...few, "--out", "uneven-plan.csv");
+  const [head, ...joints] = rowsOf(run("inverse", ...robot, "--poses", "uneven-plan.csv"));
+  const moved = joints.map((row) => row.split(",").map((cell, k) => (k === 0 ? cell : Number(cell) + 0.01 * Math.sin(Number(cell) / 11 + k))).join(","));
+  writeFileSync(at("uneven-joints.csv"), [head, ...moved].join("\n"));
+  const plan = rowsOf(readFileSync(at("uneven-plan.csv"), "utf8")).slice(1), [columns, ...reached] = rowsOf(run("forward", ...robot, "--joints", "uneven-joints.csv"));
+  const x = columns.split(",").indexOf("x_mm");
+  const rows = reached.flatMap((row, k) => [0, 1].map((visit) => [...plan[k].split(",").slice(0, 4), ...row.split(",").slice(x, x + 3).map((cell, axis) => (Number(cell) + 0.01 * Math.sin(7 * k + 3 * visit + 2 * axis)).toFixed(4))].join(",")));
+  return ["# robot: rotary_delta", "pose,x_cmd_mm,y_cmd_mm,z_cmd_mm,x_mm,y_mm,z_mm", ...rows].join("\n") + "\n";
+}
+
 export function samples(program, folder, quick = false) {
   mkdirSync(folder, { recursive: true });
   const at = (name) => join(folder, name);
@@ -72,6 +87,9 @@ export function samples(program, folder, quick = false) {
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", ...machine, "--out", "delta.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "delta.csv", "--out", "delta.json", "--report", "delta.html");
 
+  writeFileSync(at("uneven.csv"), unevenReadings(run, at, few));
+  run("calibrate", "--robot", "rotary_delta", "--measurements", "uneven.csv", "--out", "uneven.json", "--report", "uneven.html");
+
   run("simulate", "--robot", "rotary_delta", "--poses", "delta-plan.csv", "--measure", "pose", ...machine, "--rotation-noise-deg", "0.05", "--out", "bodies.csv");
   run("calibrate", "--robot", "rotary_delta", "--measurements", "bodies.csv", "--out", "bodies.json", "--report", "bodies.html");
 
@@ -107,6 +125,6 @@ export function samples(program, folder, quick = false) {
   run("yield", ...huang, "--machines", quick ? "30" : "300", "--limit-mm", "0.15", "--min-yield", quick ? "0.5" : "0.9", "--out", "yield.txt", "--report", "yield.html");
   run("yield", ...huang, "--machines", "5", "--out", "unlimited.txt", "--report", "unlimited.html");
   run("reproduce", "huang2016", "--out", "reproduction.txt", "--report", "reproduction.html");
-  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation", "6-rss", "6-pss"];
+  const names = ["published", "calibration", "validation", "report", "hostile", "refused", "delta", "uneven", "bodies", "printer", "keep", "many", "sensitivity", "allocation", "analysis", "yield", "unlimited", "reproduction", "struts", "strutreport", "strutsensitivity", "strutallocation", "6-rss", "6-pss"];
   return Object.fromEntries(names.map((name) => [name, at(`${name}.html`)]));
 }

@@ -6,6 +6,7 @@ import type { Section } from "./section";
 import { batch } from "./sections/batch";
 import { contributors } from "./sections/contributors";
 import { correlations } from "./sections/correlations";
+import { drives } from "./sections/drives";
 import { errorMaps } from "./sections/error_maps";
 import { observability } from "./sections/observability";
 import { parameters } from "./sections/parameters";
@@ -18,7 +19,7 @@ import { verdict } from "./sections/verdict";
 import { strings } from "./strings";
 import { startTheme, themeButton } from "./theme";
 
-const kSections: ((report: Report) => Section | null)[] = [publishedRows, printer, robot, errorMaps, residuals, parameters, correlations, observability, contributors, batch, repeat];
+const kSections: ((report: Report) => Section | null)[] = [publishedRows, printer, robot, errorMaps, residuals, parameters, drives, correlations, observability, contributors, batch, repeat];
 
 function navigation(sections: Section[]): HTMLElement {
   const link = (id: string, text: string) => h("li", {}, h("a", { href: `#${id}` }, text));

@@ -10,7 +10,7 @@ export const strings = {
   skip: "Skip to the result",
   sections: "Sections of this report",
   theme: { dark: "Dark", light: "Light", change: "Switch between dark and light" },
-  nav: { verdict: "Result", printer: "New values", robot: "Robot", map: "Error map", residuals: "Residuals", parameters: "Parameters", correlations: "Correlations", observability: "Number of poses", contributors: "Contributions", batch: "Machines", rows: "Published numbers", repeat: "Reproduce" },
+  nav: { verdict: "Result", printer: "New values", robot: "Robot", map: "Error map", residuals: "Residuals", parameters: "Parameters", drives: "Drives", correlations: "Correlations", observability: "Number of poses", contributors: "Contributions", batch: "Machines", rows: "Published numbers", repeat: "Reproduce" },
   figure: {
     csv: "CSV",
     table: "Numbers as a table",
@@ -182,6 +182,15 @@ export const strings = {
     axis: "correlation",
     limb: (limb: number) => `limb ${limb}`,
     pair: (one: string, other: string, value: string) => `${one} and ${other}: ${value}`,
+  },
+  drives: {
+    heading: "Uneven drives",
+    intro: (poses: number, rigid: string, used: string) => `Each of ${poses} poses was predicted from all others: within ${used} mm (rms) with these smooth errors of the drives, within ${rigid} mm without. Commanded joints make up for them. Curve: estimate; band: U (95 %).`,
+    title: (limb: number) => `Drive of limb ${limb}`,
+    shows: (size: string, U: string, unit: string) => `Along its stroke it is off by at most ${size} ${unit}; U is at most ${U} ${unit}.`,
+    columns: (unit: string) => [`joint_${unit}`, `off_${unit}`, `U_${unit}`],
+    joint: (limb: number, unit: string) => `joint ${limb}, ${unit}`,
+    off: (unit: string) => `off by, ${unit}`,
   },
   observability: {
     heading: "Number of poses",

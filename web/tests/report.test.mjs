@@ -30,7 +30,7 @@ const kMarks = {
   cells: ".drawing svg g[aria-label=cell] > rect, .drawing svg .cell",
 };
 const kMarksOf = [
-  [/^(residual|normal|validated|parameters|observability)/, "dots", 1],
+  [/^(residual|normal|validated|parameters|observability|drive)/, "dots", 1],
   [/^(offsets|table|volume|figure\d|tilt)/, "dots", 2], // paper and ours
   [/^(map|sigma|correlations|bed)/, "cells", 1],
   [/^(pareto|global|allocated)/, "bars", 1],
