@@ -36,7 +36,7 @@ std::unique_ptr<RotaryDeltaKins> RotaryDeltaKins::of(const Robot& robot, const L
   if (robot.limb_count() != 3 || robot.actuator() != Actuator::revolute) return nullptr;
   const KinematicsModule module = KinematicsModule::load(build, "rotarydeltakins");
   if (!module.loaded()) return nullptr;
-  const Geometry& geometry = robot.geometry();
+  const SharedDimensions geometry = *shared_dimensions(robot.limbs());
   const std::map<std::string, double> lengths{{"rotarydeltakins.platformradius", geometry.base_radius},
                                               {"rotarydeltakins.thighlength", geometry.arm},
                                               {"rotarydeltakins.shinlength", geometry.rod},

@@ -22,7 +22,7 @@ nlohmann::json numbers(const Eigen::MatrixXd& matrix) {
 }
 
 nlohmann::json robot_as_json(const Robot& robot) {
-  const Geometry& geometry = robot.geometry();
+  const SharedDimensions geometry = *shared_dimensions(robot.limbs());
   return {{"base_radius", geometry.base_radius},
           {"plate_radius", geometry.plate_radius},
           {"arm", geometry.arm},

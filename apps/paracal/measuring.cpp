@@ -255,7 +255,7 @@ io::Json workspace_json(const WorkspaceUncertainty& spread) {
 
 Tolerances read_priors(const io::TextFile& file, const Robot& robot) {
   Tolerances tolerances = io::read_tolerances(file, robot);
-  if (std::ranges::all_of(sources_of(robot.geometry()), [&](Source source) { return tolerances.std(source) == 0.0; })) {
+  if (std::ranges::all_of(sources_of(robot.limbs()), [&](Source source) { return tolerances.std(source) == 0.0; })) {
     throw InputFileError(file.name, 0, "expected at least one tolerance above 0, got none");
   }
   return tolerances;

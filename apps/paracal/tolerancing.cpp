@@ -100,7 +100,7 @@ double rounded_down(double value) {
 }  // namespace
 
 Tolerances rounded_down(const Robot& robot, Tolerances chosen, const Tolerances& rest) {
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     if (chosen[source] == rest[source]) continue;
     const Unit unit = paracal::unit(source, robot.actuator());
     chosen[source] = from_file_unit(unit, rounded_down(to_file_unit(unit, chosen[source])));
@@ -119,7 +119,7 @@ io::Json tilt_group_json(const PerSource& values) {
 }
 
 void add_half_widths(io::Json& json, const Robot& robot, const Tolerances& tolerances) {
-  json["half_widths"] = io::to_json(tolerances, robot.geometry());
+  json["half_widths"] = io::to_json(tolerances, robot.limbs());
   json["drawing"] = io::drawing_json(tolerances, robot);
 }
 
@@ -168,7 +168,7 @@ namespace {
 io::Json per_source_json(const Robot& robot, Quantity quantity, const PerSource& values) {
   if (quantity == Quantity::tilt && robot.is_level()) return tilt_group_json(values * paper_units(robot));
   io::Json json = io::Json::object();
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     json[std::string(name(source))] = shown(quantity, values(place(source))).value;
   }
   return json;

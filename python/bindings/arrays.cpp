@@ -81,7 +81,7 @@ py::tuple named_poses(const std::vector<Station>& stations, const Robot* robot) 
 }
 
 SourceErrors errors_of(const Array& array, const Robot& robot) {
-  const auto sources = sources_of(robot.geometry());
+  const auto sources = sources_of(robot.limbs());
   const Rows rows(array, "errors", sources.size());
   if (rows.count() != robot.limb_count()) {
     throw InvalidArgument(fmt::format("errors: expected one row per limb, ({}, {}), got {} rows", robot.limb_count(),
@@ -98,7 +98,7 @@ SourceErrors errors_of(const Array& array, const Robot& robot) {
 }
 
 Array array_of(const SourceErrors& errors, const Robot& robot) {
-  const auto sources = sources_of(robot.geometry());
+  const auto sources = sources_of(robot.limbs());
   Array array({robot.limb_count(), sources.size()});
   double* to = array.mutable_data();
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
@@ -109,7 +109,7 @@ Array array_of(const SourceErrors& errors, const Robot& robot) {
 
 Array vector_of_sources(const Eigen::Ref<const Eigen::ArrayXd>& numbers, const Robot& robot) {
   std::vector<double> own;
-  for (const Source source : sources_of(robot.geometry()))
+  for (const Source source : sources_of(robot.limbs()))
     own.push_back(numbers(static_cast<Eigen::Index>(index(source))));
   return vector_of(own);
 }

@@ -105,7 +105,7 @@ class Derivatives {
   explicit Derivatives(const BuiltMachine& built) : machine_(built.machine) {
     if (built.robot.commands_tilt()) std::erase(rows_, 3);
     for (std::size_t limb = 0; limb < built.robot.limb_count(); ++limb) {
-      for (const Source source : sources_of(built.robot.geometry())) {
+      for (const Source source : sources_of(built.robot.limbs())) {
         if (place_in(machine_.limbs[limb].actuator, source) < kMostSources) {
           sources_.push_back({limb, source});
           columns_.push_back(column_count_);
@@ -146,7 +146,7 @@ class Derivatives {
 };
 
 py::tuple jacobian_of(const BuiltMachine& built, const Array& joints) {
-  const std::size_t limbs = built.robot.limb_count(), sources = sources_of(built.robot.geometry()).size();
+  const std::size_t limbs = built.robot.limb_count(), sources = sources_of(built.robot.limbs()).size();
   const Rows given(joints, "joints", limbs);
   const Derivatives derivatives(built);
   const std::size_t rows = derivatives.rows();

@@ -21,12 +21,14 @@ BuiltMachine built(const Robot& robot, const Array& errors) {
   return {robot, wanted, build(robot, wanted)};
 }
 
+/// Empty of a robot whose limbs state their own dimensions.
 py::dict geometry_of(const Robot& robot) {
-  const Geometry& geometry = robot.geometry();
-  py::dict found("base_radius_mm"_a = geometry.base_radius, "plate_radius_mm"_a = geometry.plate_radius,
-                 "arm_mm"_a = geometry.arm, "rod_mm"_a = geometry.rod,
-                 "parallelogram_width_mm"_a = geometry.parallelogram_width,
-                 "limb_azimuth_rad"_a = vector_of(geometry.limb_azimuth));
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs());
+  if (!shared) return {};
+  py::dict found("base_radius_mm"_a = shared->base_radius, "plate_radius_mm"_a = shared->plate_radius,
+                 "arm_mm"_a = shared->arm, "rod_mm"_a = shared->rod,
+                 "parallelogram_width_mm"_a = shared->parallelogram_width,
+                 "limb_azimuth_rad"_a = vector_of(shared->limb_azimuth));
   if (robot.slide()) found["pinion_radius_mm"] = robot.slide()->pinion_radius;
   return found;
 }
@@ -42,7 +44,7 @@ py::tuple freedoms_of(const Robot& robot) {
   py::list names;
   if (!robot.is_level()) {
     for (std::size_t k = 0; k < kPlateCoordinates.size(); ++k) {
-      if (robot.geometry().freedoms.free.at(k)) names.append(std::string(kPlateCoordinates.at(k)));
+      if (robot.freedoms().free.at(k)) names.append(std::string(kPlateCoordinates.at(k)));
     }
     return names;
   }
@@ -54,7 +56,7 @@ py::tuple freedoms_of(const Robot& robot) {
 /// (name, "position" or "tilt", unit), in column order.
 py::list sources_of(const Robot& robot) {
   py::list sources;
-  for (const Source source : paracal::sources_of(robot.geometry())) {
+  for (const Source source : paracal::sources_of(robot.limbs())) {
     sources.append(py::make_tuple(std::string(name(source)), tilts_plate(source) ? "tilt" : "position",
                                   array_unit(unit(source, robot.actuator()))));
   }
@@ -63,7 +65,7 @@ py::list sources_of(const Robot& robot) {
 
 Array drawn_errors(const Robot& robot, const Tolerances& tolerances, std::uint64_t seed, std::uint64_t first,
                    std::size_t count) {
-  const auto sources = paracal::sources_of(robot.geometry());
+  const auto sources = paracal::sources_of(robot.limbs());
   Array drawn({count, robot.limb_count(), sources.size()});
   double* numbers = drawn.mutable_data();
   {
@@ -101,7 +103,11 @@ void add_robots(py::module_& module) {
       .def_property_readonly("geometry", &geometry_of)
       .def_property_readonly("workspace_angles", &angles_of)
       .def_property_readonly("sources", &sources_of)
-      .def_property_readonly("intended", [](const Robot& robot) { return array_of(robot.intended(), robot); })
+      .def_property_readonly("intended",
+                             [](const Robot& robot) {
+                               const auto shared = shared_dimensions(robot.limbs());
+                               return array_of(shared ? shared->differences : SourceErrors{}, robot);
+                             })
       .def("json", [](const Robot& robot) { return text_of(io::to_json(robot).dump()); })
       .def("toml", [](const Robot& robot) { return text_of(io::robot_toml(robot)); });
   module.def("machine", &built, "robot"_a, "errors"_a);

@@ -42,17 +42,16 @@ inline constexpr bool is_a<Template<Of...>, Template> = true;
     return std::tie(__VA_ARGS__);           \
   }
 PARACAL_FIELDS(PlateFreedoms, free)
-PARACAL_FIELDS(LimbDescription, base, plate, length, arm, axis, at_zero, behind, kind, width)
-PARACAL_FIELDS(Geometry, base_radius, plate_radius, arm, rod, parallelogram_width, limb_azimuth, actuator, limbs,
-               freedoms)
+PARACAL_FIELDS(LimbDescription, base, plate, length, arm, axis, at_zero, behind, kind, width, azimuth, zero, gain,
+               alpha0, beta0)
 PARACAL_FIELDS(Slide, axis, sign, pinion_radius)
 PARACAL_FIELDS(Workspace::Box, x, y, z)
 PARACAL_FIELDS(Workspace::Level, z, radius)
 PARACAL_FIELDS(Workspace, radius, height, top_z, min_rotation, max_rotation, max_tilt, tilts_about, axis, box, levels)
 PARACAL_FIELDS(JointLimits, speed, acceleration)
 PARACAL_FIELDS(Tolerances, half_width, distribution, measured, origin, assumed)
-PARACAL_FIELDS(RobotDescription, name, geometry, slide, workspace, tolerances, intended, controller_origin,
-               joint_limits, hang)
+PARACAL_FIELDS(RobotDescription, name, limbs, freedoms, slide, workspace, tolerances, controller_origin, joint_limits,
+               hang)
 PARACAL_FIELDS(TrackerModel, transverse, transverse_per_m, radial, radial_per_m)
 PARACAL_FIELDS(NoiseModel, distance, height, point, body, rotation, tracker, distance_bias, dial_angle, joint)
 PARACAL_FIELDS(SourceSelector, source, limb)

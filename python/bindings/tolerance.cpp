@@ -34,14 +34,14 @@ Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_
                   const std::string& distribution) {
   Tolerances tolerances;
   if (others == "generous") {
-    tolerances = generous_tolerances(robot.geometry());
+    tolerances = generous_tolerances(robot.limbs());
   } else if (others == "exact") {
     tolerances.origin.values.fill(Origin::exact);
   } else {
     throw InvalidArgument("others: expected \"exact\" or \"generous\", got \"" + others + "\"");
   }
   for (const auto& [name, value] : half_widths) {
-    const auto source = source_named(name, robot.geometry());
+    const auto source = source_named(name, robot.limbs());
     if (!source) throw InvalidArgument("half_widths: expected names of geometric errors, got \"" + name + "\"");
     if (!(value >= 0.0 && std::isfinite(value))) {
       throw InvalidArgument(fmt::format("half_widths: expected at least 0 for {}, got {}", name, value));
@@ -54,7 +54,7 @@ Tolerances stated(const Robot& robot, const std::map<std::string, double>& half_
                {"uniform", Distribution::uniform},
                {"truncated_normal", Distribution::truncated_normal}},
               tolerances.distribution);
-  list_assumed(tolerances, robot.geometry());
+  list_assumed(tolerances, robot.limbs());
   return tolerances;
 }
 
@@ -251,7 +251,7 @@ void add_tolerance(py::module_& module) {
           "robot"_a)
       .def_property_readonly("assumed", [](const Tolerances& t) { return texts_of(t.assumed); })
       .def(
-          "toml", [](const Tolerances& t, const Robot& robot) { return io::tolerances_toml(t, robot.geometry()); },
+          "toml", [](const Tolerances& t, const Robot& robot) { return io::tolerances_toml(t, robot.limbs()); },
           "robot"_a);
   module.def(
       "tolerances_of", [](const Robot& robot) { return tolerances_of(robot); }, "robot"_a);

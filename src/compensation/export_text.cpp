@@ -82,7 +82,7 @@ std::string remarks(const ExportOrigin& origin, std::string_view begin) {
 
 /// The unit of all joints, or of either kind.
 std::string joint_units(const Robot& robot) {
-  const std::vector<Actuator> kinds = kinds_of(robot.geometry());
+  const std::vector<Actuator> kinds = kinds_of(robot.limbs());
   const auto in_mm = [](Actuator kind) { return joint_unit(kind) == Unit::mm; };
   const auto lengths = std::ranges::count_if(kinds, in_mm);
   if (lengths == 0) return "rad";
@@ -92,7 +92,7 @@ std::string joint_units(const Robot& robot) {
 /// "a plate free in x, y on 2 limbs".
 std::string plate_in_words(const Robot& robot) {
   if (robot.is_level()) return fmt::format("a plate that {} parallelograms keep level", robot.limb_count());
-  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  const PlateFreedoms& freedoms = robot.freedoms();
   const std::string plate = freedoms.are_all() ? "a plate" : fmt::format("a plate free in {}", in_words(freedoms));
   return fmt::format("{} on {} limbs", plate, robot.limb_count());
 }

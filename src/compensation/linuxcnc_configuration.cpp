@@ -21,7 +21,7 @@ namespace {
 using namespace compensation_detail;
 
 /// The limbs stand in the robot file one by one, with the directions of their drives.
-bool is_described(const Robot& robot) { return !robot.geometry().limbs.empty(); }
+bool is_described(const Robot& robot) { return !shared_dimensions(robot.limbs()); }
 
 /// Sample speed of a joint, and what its limits leave beside its travel; mm or deg.
 struct JointSample {
@@ -47,7 +47,7 @@ JointSample joint_sample(const Robot& robot, Actuator limb) {
 
 std::vector<JointSample> joint_samples(const Robot& robot) {
   std::vector<JointSample> samples;
-  for (const Actuator limb : kinds_of(robot.geometry())) samples.push_back(joint_sample(robot, limb));
+  for (const Actuator limb : kinds_of(robot.limbs())) samples.push_back(joint_sample(robot, limb));
   return samples;
 }
 
@@ -66,7 +66,7 @@ std::string alternatives(const std::vector<JointSample>& samples, const auto& sa
 char letter(int axis) { return "XYZABC"[axis]; }
 
 /// Guides hold z of other plates.
-bool moves_z(const Robot& robot) { return !robot.geometry().freedoms.holds_z(); }
+bool moves_z(const Robot& robot) { return !robot.freedoms().holds_z(); }
 
 /// Those that the robot moves.
 std::vector<int> axes_of(const Robot& robot) {
@@ -86,7 +86,7 @@ std::array<double, 2> ends(const Robot& robot, int axis) {
 constexpr double kLinearSpeed = 500.0;  // mm/s
 
 /// deg/s; tilts go a few degrees only.
-double turning_speed(const Robot& robot) { return robot.geometry().freedoms.tilt() ? 45.0 : 360.0; }
+double turning_speed(const Robot& robot) { return robot.freedoms().tilt() ? 45.0 : 360.0; }
 
 // ---- What the workspace asks of joints
 
@@ -279,7 +279,7 @@ std::string frame_in_words(const Robot& robot) {
 
 /// "- A is tilt_x, B is tilt_y: the plate is turned by R = Rot(x, A) Rot(y, B).\n"
 std::string tilts_in_words(const Robot& robot) {
-  if (!robot.geometry().freedoms.tilt()) return "";
+  if (!robot.freedoms().tilt()) return "";
   std::vector<std::string> tilts, rotations;
   for (const int axis : axes_of(robot)) {
     if (axis < 3) continue;
@@ -291,7 +291,7 @@ std::string tilts_in_words(const Robot& robot) {
 
 /// Levels and tools, where the robot moves Z; tools hang from a plate below the base, and stand on one above.
 void add_tools(const Robot& robot, Values& values) {
-  const PlateFreedoms& freedoms = robot.geometry().freedoms;
+  const PlateFreedoms& freedoms = robot.freedoms();
   const bool above = robot.nominal().hang.z() > 0.0, has_z = moves_z(robot);
   const bool tilts = freedoms.free[3] || freedoms.free[4];
   const std::string beside = above ? "above" : "below";

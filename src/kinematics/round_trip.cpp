@@ -38,9 +38,9 @@ std::string in_words(const Robot& robot, const PlateState& plate) {
 
 /// mm between two plates, by what is commanded; turns count at the joints of the plate.
 double apart(const Robot& robot, const PlateState& one, const PlateState& other) {
-  const auto& free = robot.geometry().freedoms.free;
-  const Eigen::Vector3d lever =
-      robot.geometry().plate_radius * Eigen::Vector3d(free[3] ? 1.0 : 0.0, free[4] ? 1.0 : 0.0, free[5] ? 1.0 : 0.0);
+  const auto& free = robot.freedoms().free;
+  const Eigen::Vector3d lever = sizes_of(robot.limbs()).plate_radius *
+                                Eigen::Vector3d(free[3] ? 1.0 : 0.0, free[4] ? 1.0 : 0.0, free[5] ? 1.0 : 0.0);
   return std::max({(one.position - other.position).norm(), std::abs(one.slide - other.slide),
                    lever.cwiseProduct(one.tilt - other.tilt).norm()});
 }

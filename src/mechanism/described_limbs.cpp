@@ -22,13 +22,6 @@ std::string numbers(const Eigen::Vector3d& vector) {
 
 std::string place(const Eigen::Vector3d& point) { return numbers(point) + " mm"; }
 
-/// Root of the mean square.
-double mean_radius(const std::vector<LimbDescription>& limbs, Eigen::Vector3d LimbDescription::*joint) {
-  double squares = 0.0;
-  for (const LimbDescription& limb : limbs) squares += (limb.*joint).head<2>().squaredNorm();
-  return std::sqrt(squares / static_cast<double>(limbs.size()));
-}
-
 void require_direction(std::string_view quantity, const Eigen::Vector3d& vector) {
   if (vector.allFinite() && vector.norm() > 1e-9) return;
   throw InvalidArgument(fmt::format("{}: expected a direction, got {}", quantity, numbers(vector)));
@@ -56,45 +49,18 @@ bool is_alike(const LimbDescription& one, const LimbDescription& other) {
          one.behind == other.behind;
 }
 
-/// Two unit vectors and what is square to both, as columns.
-Eigen::Matrix3d columns(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
-  Eigen::Matrix3d frame;
-  frame << first, second, first.cross(second);
-  return frame;
-}
-
-Eigen::Vector3d square_to(const Eigen::Vector3d& axis, const Eigen::Vector3d& direction) {
-  return (direction - direction.dot(axis) * axis).normalized();
-}
-
-/// Upward; of a rail that stands nearly upright outward from the z axis, or along x where it stands on it.
-Eigen::Matrix3d rail_frame(const LimbDescription& rail) {
-  constexpr double kUpright = 0.99, kOnAxis = 1e-6;  // mm
-  const Eigen::Vector3d along = rail.axis.normalized();
-  if (std::abs(along.z()) < kUpright) return columns(square_to(along, Eigen::Vector3d::UnitZ()), along);
-  Eigen::Vector3d outward(rail.base.x(), rail.base.y(), 0.0);
-  if (outward.norm() < kOnAxis) outward = Eigen::Vector3d::UnitX();
-  return columns(square_to(along, outward), along);
-}
-
-/// Rot(z, gamma) Rot(x, pi/2) towards the joint at the base.
-Eigen::Matrix3d strut_frame(const LimbDescription& strut) {
-  return detail::nominal_frame(std::atan2(strut.base.y(), strut.base.x()));
-}
-
-void check_freedoms(const Geometry& geometry, bool has_slide) {
-  const PlateFreedoms& freedoms = geometry.freedoms;
-  const std::size_t limbs = geometry.limbs.size(), wanted = freedoms.count() + (has_slide ? 1 : 0);
+void check_freedoms(const Limbs& limbs, const PlateFreedoms& freedoms, bool has_slide) {
+  const std::size_t count = limbs.size(), wanted = freedoms.count() + (has_slide ? 1 : 0);
   if (const std::string why = coupled_motions(freedoms); !why.empty()) throw InvalidArgument("plate.freedoms: " + why);
-  if (limbs < wanted || limbs > static_cast<std::size_t>(kMaxLimbs)) {
+  if (count < wanted || count > static_cast<std::size_t>(kMaxLimbs)) {
     const std::string of = freedoms.are_all() ? "six degrees of freedom" : "degrees of freedom " + in_words(freedoms);
     throw InvalidArgument(fmt::format("limb: expected {} to {} limbs for a plate with {}{}, got {}", wanted, kMaxLimbs,
-                                      of, has_slide ? " and a slide" : "", limbs));
+                                      of, has_slide ? " and a slide" : "", count));
   }
   std::size_t rods = 0;
-  for (const LimbDescription& limb : geometry.limbs) rods += on_single_rods(limb.kind) ? 1 : 2;
-  const std::size_t pairs = rods - limbs;
-  if (has_slide && (pairs != limbs || limbs != 4)) {
+  for (const LimbDescription& limb : limbs) rods += on_single_rods(limb.kind) ? 1 : 2;
+  const std::size_t pairs = rods - count;
+  if (has_slide && (pairs != count || count != 4)) {
     throw InvalidArgument("plate: expected no slide, or four limbs with two rods");
   }
   if (pairs > 0 && rods < (has_slide ? 7 : 6)) {
@@ -106,14 +72,14 @@ void check_freedoms(const Geometry& geometry, bool has_slide) {
 }
 
 /// Both bars of a parallelogram stay parallel, so it lets a plate turn about their direction alone.
-void check_parallelograms(const Geometry& geometry) {
+void check_parallelograms(const Limbs& limbs, const PlateFreedoms& freedoms) {
   constexpr double kParallel = 1e-6;  // sine
-  for (std::size_t i = 0; i < geometry.limbs.size(); ++i) {
-    if (on_single_rods(geometry.limbs[i].kind)) continue;
-    const Eigen::Vector3d bar = frame_of(geometry.limbs[i]).col(2);
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    if (on_single_rods(limbs[i].kind)) continue;
+    const Eigen::Vector3d bar = frame_of(limbs[i]).col(2);
     for (int k = 0; k < 3; ++k) {
       const auto coordinate = static_cast<std::size_t>(k) + 3;
-      if (!geometry.freedoms.free[coordinate] || bar.cross(Eigen::Vector3d::Unit(k)).norm() < kParallel) continue;
+      if (!freedoms.free[coordinate] || bar.cross(Eigen::Vector3d::Unit(k)).norm() < kParallel) continue;
       throw InvalidArgument(fmt::format(
           "plate.freedoms: expected no {} for limb {} with two rods: its bars lie along {} and keep the plate from "
           "turning about {}. Remove {}, or give this limb one rod (no parallelogram_width_mm)",
@@ -123,13 +89,13 @@ void check_parallelograms(const Geometry& geometry) {
 }
 
 /// Tables of joints have one unit.
-void check_joint_units(const Geometry& geometry) {
-  for (std::size_t i = 1; i < geometry.limbs.size(); ++i) {
-    if (joint_unit(geometry.limbs[i].kind) == joint_unit(geometry.limbs[0].kind)) continue;
+void check_joint_units(const Limbs& limbs) {
+  for (std::size_t i = 1; i < limbs.size(); ++i) {
+    if (joint_unit(limbs[i].kind) == joint_unit(limbs[0].kind)) continue;
     throw InvalidArgument(fmt::format(
         "limb: expected joint coordinates of one unit (arms: deg; rails and struts: mm), got limb {} in {} beside limb "
         "1 in {}",
-        i + 1, file_unit(joint_unit(geometry.limbs[i].kind)), file_unit(joint_unit(geometry.limbs[0].kind))));
+        i + 1, file_unit(joint_unit(limbs[i].kind)), file_unit(joint_unit(limbs[0].kind))));
   }
 }
 
@@ -143,10 +109,10 @@ void require_positive_mm(std::string_view quantity, double value) {
   }
 }
 
-std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geometry) {
+std::vector<std::pair<std::string, double>> dimensions_of(const Limbs& limbs) {
   std::vector<std::pair<std::string, double>> all;
-  for (std::size_t i = 0; i < geometry.limbs.size(); ++i) {
-    const LimbDescription& limb = geometry.limbs[i];
+  for (std::size_t i = 0; i < limbs.size(); ++i) {
+    const LimbDescription& limb = limbs[i];
     const auto add = [&](std::string_view key, double length) {
       if (length != 0.0) all.emplace_back(fmt::format("limb: {} of limb {}", key, i + 1), length);
     };
@@ -158,13 +124,13 @@ std::vector<std::pair<std::string, double>> dimensions_of(const Geometry& geomet
   return all;
 }
 
-void check_described_limbs(const Geometry& geometry, bool has_slide) {
-  const std::vector<LimbDescription>& limbs = geometry.limbs;
-  check_freedoms(geometry, has_slide);
-  check_joint_units(geometry);
+void check_described_limbs(const Limbs& limbs, const PlateFreedoms& freedoms, bool has_slide) {
+  check_freedoms(limbs, freedoms, has_slide);
+  check_joint_units(limbs);
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const LimbDescription& limb = limbs[i];
-    if (!limb.base.allFinite() || !limb.plate.allFinite()) {
+    if (!limb.base.allFinite() || !limb.plate.allFinite() ||
+        !std::isfinite(limb.zero + limb.gain + limb.alpha0 + limb.beta0)) {
       throw InvalidArgument(fmt::format("limb: expected numbers for the joints of limb {}", i + 1));
     }
     check_drive(limb, i + 1);
@@ -174,7 +140,7 @@ void check_described_limbs(const Geometry& geometry, bool has_slide) {
                                         i + 1, place(limb.base), place(limb.plate)));
     }
   }
-  check_parallelograms(geometry);
+  check_parallelograms(limbs, freedoms);
 }
 
 void check_workspace_of_limbs(const Workspace& workspace, const PlateFreedoms& freedoms) {
@@ -216,69 +182,6 @@ std::string coupled_motions(const PlateFreedoms& freedoms) {
       "a robot in an upright plane with x and y in this plane. There is no robot file for a plate that guides hold "
       "along x or y, or that moves sideways when it tilts (3-RPS, Agile Eye)",
       in_words(freedoms));
-}
-
-Eigen::Matrix3d frame_of(const LimbDescription& limb) {
-  if (limb.kind == Actuator::strut) return strut_frame(limb);
-  if (runs_on_rail(limb.kind)) return rail_frame(limb);
-  const Eigen::Vector3d axis = limb.axis.normalized(), at_zero = square_to(axis, limb.at_zero);
-  return columns(at_zero, axis.cross(at_zero));
-}
-
-std::vector<Actuator> kinds_of(const Geometry& geometry) {
-  // A geometry may not have been checked yet.
-  std::vector<Actuator> kinds(std::max<std::size_t>(geometry.limb_azimuth.size(), 1), geometry.actuator);
-  std::ranges::transform(geometry.limbs, kinds.begin(), &LimbDescription::kind);
-  return kinds;
-}
-
-std::vector<Source> sources_of(const Geometry& geometry) {
-  std::vector<Source> sources;
-  for (const Actuator kind : kinds_of(geometry)) {
-    for (const Source source : sources_of(kind)) {
-      if (std::ranges::find(sources, source) == sources.end()) sources.push_back(source);
-    }
-  }
-  return sources;
-}
-
-std::optional<Source> source_named(std::string_view name, const Geometry& geometry) {
-  for (const Source source : sources_of(geometry)) {
-    if (source.name() == name) return source;
-  }
-  return std::nullopt;
-}
-
-std::vector<Source> sharing(Source leading, const Geometry& geometry) {
-  std::vector<Source> sources = sources_of(geometry);
-  std::erase_if(sources, [&](Source other) { return shared_name(other) != shared_name(leading); });
-  return sources;
-}
-
-Geometry geometry_of_limbs(std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms) {
-  constexpr double kPoint = 0.1;  // of a rod: the width of a plate that is a point
-  Geometry geometry;
-  geometry.freedoms = freedoms;
-  if (limbs.empty()) return geometry;
-  geometry.actuator = limbs.front().kind;
-  geometry.base_radius = mean_radius(limbs, &LimbDescription::base);
-  geometry.plate_radius = mean_radius(limbs, &LimbDescription::plate);
-  for (const LimbDescription& limb : limbs) {
-    geometry.rod += limb.length / static_cast<double>(limbs.size());
-    geometry.arm += limb.arm / static_cast<double>(limbs.size());
-    geometry.limb_azimuth.push_back(std::atan2(limb.base.y(), limb.base.x()));
-    if (geometry.parallelogram_width == 0.0) geometry.parallelogram_width = limb.width;
-  }
-  if (geometry.parallelogram_width == 0.0) {
-    geometry.parallelogram_width = geometry.plate_radius > 0.0 ? 2.0 * geometry.plate_radius : kPoint * geometry.rod;
-  }
-  geometry.limbs = std::move(limbs);
-  return geometry;
-}
-
-Geometry geometry_of_limbs(Actuator kind, std::vector<LimbDescription> limbs, const PlateFreedoms& freedoms) {
-  for (LimbDescription& limb : limbs) limb.kind = kind;
-  return geometry_of_limbs(std::move(limbs), freedoms);
 }
 
 }  // namespace paracal

@@ -19,29 +19,17 @@ namespace {
 
 using detail::require_positive_mm;
 
-constexpr double kSmallestAzimuthGap = std::numbers::pi / 180.0;
-
-void check_lengths(const Geometry& geometry) {
-  require_positive_mm("geometry.base_radius_mm", geometry.base_radius);
-  require_positive_mm("geometry.plate_radius_mm", geometry.plate_radius);
-  if (geometry.actuator == Actuator::revolute || geometry.arm != 0.0) {
-    require_positive_mm("geometry.arm_mm", geometry.arm);
-  }
-  require_positive_mm("geometry.rod_mm", geometry.rod);
-  require_positive_mm("geometry.parallelogram_width_mm", geometry.parallelogram_width);
-}
-
 /// What a refusal calls it, and mm.
 using Dimension = std::pair<std::string, double>;
 
 std::vector<Dimension> dimensions_of(const RobotDescription& robot) {
-  const Geometry& geometry = robot.geometry;
-  if (!geometry.limbs.empty()) return detail::dimensions_of(geometry);
-  std::vector<Dimension> all{{"geometry.base_radius_mm", geometry.base_radius},
-                             {"geometry.plate_radius_mm", geometry.plate_radius},
-                             {"geometry.rod_mm", geometry.rod},
-                             {"geometry.parallelogram_width_mm", geometry.parallelogram_width}};
-  if (geometry.arm != 0.0) all.emplace_back("geometry.arm_mm", geometry.arm);
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs);
+  if (!shared) return detail::dimensions_of(robot.limbs);
+  std::vector<Dimension> all{{"geometry.base_radius_mm", shared->base_radius},
+                             {"geometry.plate_radius_mm", shared->plate_radius},
+                             {"geometry.rod_mm", shared->rod},
+                             {"geometry.parallelogram_width_mm", shared->parallelogram_width}};
+  if (shared->arm != 0.0) all.emplace_back("geometry.arm_mm", shared->arm);
   if (robot.slide) all.emplace_back("plate.pinion_radius_mm", robot.slide->pinion_radius);
   return all;
 }
@@ -63,31 +51,6 @@ void check_proportions(const RobotDescription& robot) {
   check(fmt::format("workspace.{}", radius), workspace.radius);
   if (!workspace.is_flat()) check(fmt::format("workspace.{}", height), workspace.height);
   if (workspace.top_z != 0.0) check(fmt::format("workspace.{}", top), std::abs(workspace.top_z));
-}
-
-void check_limbs(const std::vector<double>& azimuth, bool has_slide) {
-  const std::size_t freedoms = has_slide ? 4 : 3;
-  if (azimuth.size() != freedoms) {
-    throw InvalidArgument(fmt::format(
-        "geometry.limb_azimuth_deg: expected {} limbs for a {}, got {}: describe a robot with other limbs by "
-        "[plate] and [[limb]] tables instead of [geometry]",
-        freedoms, has_slide ? "plate with a slide" : "rigid plate", azimuth.size()));
-  }
-  for (std::size_t i = 0; i < azimuth.size(); ++i) {
-    if (!std::isfinite(azimuth[i])) {
-      throw InvalidArgument(fmt::format("geometry.limb_azimuth_deg: expected a number for limb {}, got {}", i + 1,
-                                        to_degrees(azimuth[i])));
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      const double gap = std::abs(std::remainder(azimuth[i] - azimuth[j], 2.0 * std::numbers::pi));
-      if (gap < kSmallestAzimuthGap) {
-        throw InvalidArgument(fmt::format(
-            "geometry.limb_azimuth_deg: expected at least {4:g} deg between limbs, got limbs {0} and {1} at "
-            "{2:g} and {3:g} deg",
-            j + 1, i + 1, to_degrees(azimuth[j]), to_degrees(azimuth[i]), to_degrees(kSmallestAzimuthGap)));
-      }
-    }
-  }
 }
 
 void check_slide(Slide& slide, std::size_t limbs) {
@@ -126,23 +89,15 @@ void check_rotation(const Workspace& workspace, bool has_slide) {
   }
 }
 
-void check_workspace(const Workspace& workspace, bool has_slide, const Geometry& geometry) {
-  workspace.check_shape();
-  check_rotation(workspace, has_slide);
-  if (!geometry.limbs.empty()) return detail::check_workspace_of_limbs(workspace, geometry.freedoms);
-  require_positive_mm(fmt::format("workspace.{}", workspace.keys().height), workspace.height);
-  if (workspace.max_tilt != 0.0) {
-    throw InvalidArgument("workspace.tilt_deg: expected nothing for a plate that stays level");
-  }
-  if (!(workspace.top_z < 0.0) || !std::isfinite(workspace.top_z)) {
-    throw InvalidArgument(fmt::format("workspace.{}: expected a depth below the base (< 0 mm), got {} mm",
-                                      workspace.keys().top, workspace.top_z));
-  }
+void check_workspace(const RobotDescription& robot) {
+  robot.workspace.check_shape();
+  check_rotation(robot.workspace, robot.slide.has_value());
+  detail::check_workspace_of_limbs(robot.workspace, robot.freedoms);
 }
 
-void check_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
-  for (const Source source : sources_of(geometry)) {
-    const double half_width = tolerances[source], limit = largest_error(geometry, source);
+void check_tolerances(const Tolerances& tolerances, const Limbs& limbs) {
+  for (const Source source : sources_of(limbs)) {
+    const double half_width = tolerances[source], limit = largest_error(limbs, source);
     if (half_width >= 0.0 && half_width < limit) continue;
     throw InvalidArgument(fmt::format("tolerances.{}: expected a half-width of at least 0 and below {:.4g}, got {}",
                                       name(source), limit, half_width));
@@ -155,61 +110,41 @@ struct Length {
 };
 
 /// What must be longer than 0 mm.
-std::vector<Length> lengths_of(const detail::NominalLimb& limb, const auto& error) {
+std::vector<Length> lengths_of(const LimbDescription& limb, const auto& error) {
   std::vector<Length> all;
   if (swings_arm(limb.kind)) all.push_back({"the arm", limb.arm + error("arm_length")});
-  if (limb.kind == Actuator::strut) all.push_back({"the strut at zero", limb.rod + error("zero")});
+  if (limb.kind == Actuator::strut) all.push_back({"the strut at zero", limb.length + limb.zero + error("zero")});
   if (limb.kind != Actuator::strut && on_single_rods(limb.kind)) {
-    all.push_back({"the rod", limb.rod + error("rod_length")});
+    all.push_back({"the rod", limb.length + error("rod_length")});
   }
   if (on_single_rods(limb.kind)) return all;
-  all.push_back({"the rods", limb.rod + error("rod_mean") - 0.5 * std::abs(error("rod_difference"))});
+  all.push_back({"the rods", limb.length + error("rod_mean") - 0.5 * std::abs(error("rod_difference"))});
   all.push_back({"the bar at the plate", limb.width + error("width_difference")});
   return all;
 }
 
-/// @param errors  with what is intended.
-std::optional<std::string> absurd_length(const RobotDescription& robot, const SourceErrors& errors, std::size_t limb) {
-  const detail::NominalLimb nominal = detail::nominal_limb(robot, limb);
-  const auto error = [&](Source source) { return errors(limb, source); };
-  for (const auto& [of, value] : lengths_of(nominal, error)) {
-    if (!(value > 0.0)) return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", of, limb + 1, value);
+/// @param number  of the limb, from 0.
+std::optional<std::string> absurd_length(const LimbDescription& limb, const SourceErrors& errors, std::size_t number) {
+  const auto error = [&](Source source) { return errors(number, source); };
+  for (const auto& [of, value] : lengths_of(limb, error)) {
+    if (!(value > 0.0))
+      return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", of, number + 1, value);
   }
-  const double travel = kGainLength + errors(limb, "gain");
+  const double travel = kGainLength + limb.gain + error("gain");
   if (travel > 0.0) return std::nullopt;
-  return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", limb + 1,
+  return fmt::format("expected the drive of limb {} to move in the direction of its joint, got {:g} mm/m", number + 1,
                      travel);
 }
 
-void check_intended(const RobotDescription& robot) {
-  const std::vector<Actuator> kinds = kinds_of(robot.geometry);
-  for (std::size_t limb = 0; limb < kinds.size(); ++limb) {
-    for (const Source source : sources_of(kinds[limb])) {
-      if (!std::isfinite(robot.intended(limb, source))) {
-        throw InvalidArgument(fmt::format("limb: expected a number for {} of limb {}", name(source), limb + 1));
-      }
-      if (!tilts_plate(source) || robot.intended(limb, source) == 0.0) continue;
-      throw InvalidArgument(
-          fmt::format("limb: expected no {} of limb {} (it would tilt the plate by design); state it in [[error]]",
-                      name(source), limb + 1));
-    }
-    if (auto complaint = absurd_length(robot, robot.intended, limb)) {
+void check_parts(RobotDescription& robot) {
+  const bool has_slide = robot.slide.has_value();
+  detail::check_described_limbs(robot.limbs, robot.freedoms, has_slide);
+  for (std::size_t limb = 0; limb < robot.limbs.size(); ++limb) {
+    if (auto complaint = absurd_length(robot.limbs[limb], SourceErrors{}, limb)) {
       throw InvalidArgument(fmt::format("limb: {}", *complaint));
     }
   }
-}
-
-void check_parts(RobotDescription& description) {
-  const bool has_slide = description.slide.has_value();
-  Geometry& geometry = description.geometry;
-  if (geometry.limbs.empty()) {
-    geometry.freedoms = kLevelPlate;
-    check_lengths(geometry);
-    check_limbs(geometry.limb_azimuth, has_slide);
-  } else {
-    detail::check_described_limbs(geometry, has_slide);
-  }
-  if (has_slide) check_slide(*description.slide, geometry.limb_azimuth.size());
+  if (has_slide) check_slide(*robot.slide, robot.limbs.size());
 }
 
 /// See BasicMachine::hang.
@@ -234,12 +169,11 @@ Machine checked_nominal(RobotDescription& description) {
   if (!control_character(description.name).empty())
     throw InvalidArgument("name: expected text, got a control character in it");
   check_parts(description);
-  const PlateFreedoms& freedoms = description.geometry.freedoms;
+  const PlateFreedoms& freedoms = description.freedoms;
   description.workspace.tilts_about = {freedoms.free[3], freedoms.free[4], freedoms.free[5]};
-  check_workspace(description.workspace, description.slide.has_value(), description.geometry);
+  check_workspace(description);
   check_proportions(description);
-  if (description.tolerances) check_tolerances(*description.tolerances, description.geometry);
-  check_intended(description);
+  if (description.tolerances) check_tolerances(*description.tolerances, description.limbs);
   if (!description.controller_origin.allFinite()) throw InvalidArgument("controller.origin_mm: expected numbers");
   const auto is_limit = [](double value) { return value > 0.0 && std::isfinite(value); };
   if (const auto& limits = description.joint_limits;
@@ -256,7 +190,7 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
   for (const Source source : sources_of(robot.nominal().limbs[limb].actuator)) {
     const double value = errors(limb, source);
     const Unit inside = unit(source, robot.actuator());
-    const double limit = largest_error(robot.geometry(), source);
+    const double limit = largest_error(robot.limbs(), source);
     if (std::abs(value) < limit) continue;
     return fmt::format("expected {} of limb {} within {:g} {}, got {:g}", name(source), limb + 1,
                        to_file_unit(inside, limit), file_unit(inside), to_file_unit(inside, value));
@@ -268,9 +202,9 @@ std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& 
 double angle_lever(const Limb& limb) { return runs_on_rail(limb.actuator) ? limb.mean_rod() : limb.arm; }
 
 /// See Parameter: limbs of one kind all count by the first.
-double lever_of(const Geometry& geometry, const Machine& nominal, std::size_t number, Source source) {
+double lever_of(const Limbs& limbs, const Machine& nominal, std::size_t number, Source source) {
   const Limb& limb = nominal.limbs[nominal.limbs[number].actuator == nominal.actuator() ? 0 : number];
-  if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / geometry.parallelogram_width;
+  if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / sizes_of(limbs).parallelogram_width;
   if (tilts_plate(source) || unit(source, limb.actuator) != Unit::rad) return 1.0;
   return is_joint_zero(source) ? joint_ratio(limb) : angle_lever(limb);
 }
@@ -311,7 +245,7 @@ double as_joint_zero(const RobotDescription& robot, std::size_t limb, Source zer
 }
 
 std::vector<Parameter> parameters_of(const RobotDescription& robot, const Machine& nominal) {
-  const Tolerances tolerances = robot.tolerances.value_or(generous_tolerances(robot.geometry));
+  const Tolerances tolerances = robot.tolerances.value_or(generous_tolerances(robot.limbs));
   std::vector<Parameter> all;
   for (std::size_t limb = 0; limb < nominal.limb_count; ++limb) {
     const Actuator kind = nominal.limbs[limb].actuator;
@@ -319,7 +253,7 @@ std::vector<Parameter> parameters_of(const RobotDescription& robot, const Machin
       all.push_back({.source = source,
                      .limb = limb,
                      .unit = unit(source, kind),
-                     .lever = lever_of(robot.geometry, nominal, limb, source),
+                     .lever = lever_of(robot.limbs, nominal, limb, source),
                      .tolerance = tolerances[source],
                      .as_joint_zero = as_joint_zero(robot, limb, joint_zero(kind), source),
                      .number = number_of(limb, source)});
@@ -345,35 +279,33 @@ const Parameter& Robot::parameter(std::size_t limb, Source source) const {
 
 JointSpace Robot::joint_space() const {
   JointSpace joints(limb_count(), actuator());
-  std::ranges::copy(kinds_of(geometry()), joints.kinds.begin());
-  if (nominal_.has_guides && geometry().freedoms.holds_z()) joints.guided_z = nominal_.guided_z;
+  std::ranges::copy(kinds_of(limbs()), joints.kinds.begin());
+  if (nominal_.has_guides && freedoms().holds_z()) joints.guided_z = nominal_.guided_z;
   joints.reach = reach();
   return joints;
 }
 
 double Robot::reach() const {
-  const double parts = geometry().base_radius + geometry().arm + geometry().rod + geometry().plate_radius;
-  return std::max(parts, workspace().farthest());
+  const LimbSizes sizes = sizes_of(limbs());
+  return std::max(sizes.base_radius + sizes.arm + sizes.rod + sizes.plate_radius, workspace().farthest());
 }
 
-double largest_error(const Geometry& geometry, Source source) {
-  const Unit inside = unit(source, geometry.actuator);
+double largest_error(const Limbs& limbs, Source source) {
+  const Unit inside = unit(source, actuator_of(limbs));
   if (inside == Unit::rad) return std::numbers::pi;
   if (inside == Unit::mm_per_m) return kGainLength;
-  return std::abs(geometry.base_radius) + std::abs(geometry.arm) +
-         std::abs(geometry.rod);  // before they are checked, too
+  const LimbSizes sizes = sizes_of(limbs);
+  return sizes.base_radius + std::abs(sizes.arm) + std::abs(sizes.rod);  // before they are checked, too
 }
 
 std::optional<std::string> implausible(const Robot& robot, const SourceErrors& errors) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     if (auto complaint = absurd_error(robot, errors, limb)) return complaint;
-    if (auto complaint = absurd_length(robot.description(), robot.intended() + errors, limb)) return complaint;
+    if (auto complaint = absurd_length(robot.limbs()[limb], errors, limb)) return complaint;
   }
   return std::nullopt;
 }
 
-Tolerances tolerances_of(const Robot& robot) {
-  return robot.tolerances().value_or(generous_tolerances(robot.geometry()));
-}
+Tolerances tolerances_of(const Robot& robot) { return robot.tolerances().value_or(generous_tolerances(robot.limbs())); }
 
 }  // namespace paracal

@@ -211,9 +211,8 @@ class Closures {
                       standing(machine_, pose), i + 1,
                       runs_on_rail(limb.actuator) ? "square to its rail" : "in line with its arm"));
     }
-    throw InvalidArgument(fmt::format("workspace: limb {} cannot reach {}: {}, {}rod_mm is {:g}", i + 1,
-                                      standing(machine_, pose), rod_needed(limb, joint - limb.base),
-                                      limb.has_one_rod() ? "its " : "geometry.", limb.mean_rod()));
+    throw InvalidArgument(fmt::format("workspace: limb {} cannot reach {}: {}, its rod_mm is {:g}", i + 1,
+                                      standing(machine_, pose), rod_needed(limb, joint - limb.base), limb.mean_rod()));
   }
 
   double require_side(const Pose& pose, std::size_t i, const Eigen::Vector3d& joint) const {
@@ -346,7 +345,7 @@ void check_closure(const Machine& machine, const RobotDescription& robot) {
   constexpr double kSteady = 0.8;  // of its largest value: a margin that varies so little is far from 0 everywhere
   const Workspace& workspace = robot.workspace;
   const Pose centre{workspace.centre(), std::clamp(0.0, workspace.min_rotation, workspace.max_rotation)};
-  const Closures closures(machine, 0.5 * robot.geometry.parallelogram_width, centre);
+  const Closures closures(machine, 0.5 * sizes_of(robot.limbs).parallelogram_width, centre);
   (void)closures.checked(centre);
   for (const Pose& pose : workspace.rim(8)) (void)closures.checked(pose);  // round numbers for what is seen there
   const Cube cube(workspace);

@@ -57,13 +57,13 @@ namespace {
 
 /// "theta_offset 1.5 deg, e 3 mm": sources of one origin, with their half-widths where these are not zero by
 /// definition. The coordinates of a point share one tolerance.
-std::string listed(const Tolerances& tolerances, Origin origin, const Geometry& geometry) {
+std::string listed(const Tolerances& tolerances, Origin origin, const Limbs& limbs) {
   std::string text;
-  for (const Source source : sources_of(geometry)) {
+  for (const Source source : sources_of(limbs)) {
     if (tolerances.origin[source] != origin || !is_leading(source)) continue;
     text.append(text.empty() ? "" : ", ").append(shared_name(source));
     if (origin == Origin::exact) continue;
-    const Unit inside = unit(source, geometry.actuator);
+    const Unit inside = unit(source, actuator_of(limbs));
     text += fmt::format(" {:.3g} {}", to_file_unit(inside, tolerances[source]), file_unit(inside));
   }
   return text;
@@ -71,10 +71,10 @@ std::string listed(const Tolerances& tolerances, Origin origin, const Geometry& 
 
 }  // namespace
 
-void list_assumed(Tolerances& tolerances, const Geometry& geometry) {
+void list_assumed(Tolerances& tolerances, const Limbs& limbs) {
   tolerances.assumed.clear();
-  const std::string generous = listed(tolerances, Origin::generous, geometry);
-  const std::string exact = listed(tolerances, Origin::exact, geometry);
+  const std::string generous = listed(tolerances, Origin::generous, limbs);
+  const std::string exact = listed(tolerances, Origin::exact, limbs);
   if (!generous.empty()) {
     tolerances.assumed.push_back("default tolerances (half-widths; set yours with --tolerances): " + generous);
   }
@@ -120,19 +120,19 @@ double generous_of_parallelogram(Source source, Actuator kind, double width) {
 
 }  // namespace
 
-Tolerances generous_tolerances(const Geometry& geometry) {
+Tolerances generous_tolerances(const Limbs& limbs) {
   Tolerances tolerances;
   tolerances.origin.values.fill(Origin::exact);
-  for (const Actuator kind : kinds_of(geometry)) {
+  const double width = sizes_of(limbs).parallelogram_width;
+  for (const Actuator kind : kinds_of(limbs)) {
     for (const Source source : sources_of(kind)) {
-      const double half_width = on_single_rods(kind)
-                                    ? generous_of_one_rod(source, kind)
-                                    : generous_of_parallelogram(source, kind, geometry.parallelogram_width);
+      const double half_width =
+          on_single_rods(kind) ? generous_of_one_rod(source, kind) : generous_of_parallelogram(source, kind, width);
       tolerances[source] = std::max(tolerances[source], half_width);
       tolerances.origin[source] = Origin::generous;
     }
   }
-  list_assumed(tolerances, geometry);
+  list_assumed(tolerances, limbs);
   return tolerances;
 }
 

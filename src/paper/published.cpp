@@ -43,7 +43,7 @@ std::array<double, ErrorModel::kTilt> table2() {
 /// Table 4 prints angles times the arm's length, in mm.
 SourceErrors table4() {
   const CsvTable table(embedded("table4.csv"));
-  const double arm = catalogue::huang2016().geometry().arm;
+  const double arm = catalogue::huang2016().nominal().limbs[0].arm;
   SourceErrors errors;
   for (std::size_t limb = 0; limb < table.row_count(); ++limb) {
     for (const Source source : sources_of(Actuator::revolute).first(ErrorModel::kPosition)) {

@@ -41,7 +41,7 @@ class Table4 {
  private:
   void add(std::size_t limb, Source source) {
     const bool angle = unit(source, robot_.actuator()) == Unit::rad;
-    const double scale = angle ? robot_.geometry().arm : 1.0, paper = scale * paper_(limb, source);
+    const double scale = angle ? robot_.nominal().limbs[0].arm : 1.0, paper = scale * paper_(limb, source);
     const std::vector<double> found = scaled(twins_.identified[limb][source], scale);
     const bool unseen = source == "e_y" && limb < 2;
     table_.add(fmt::format("table4.{}.limb{}", name(source), limb + 1),

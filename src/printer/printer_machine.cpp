@@ -36,8 +36,8 @@ Workspace workspace_of(const DeltaGeometry& geometry, double homed, double print
 }
 
 /// Towers at their design angles, everything else the mean of the three.
-Geometry design_of(const DeltaGeometry& geometry) {
-  Geometry design = catalogue::linear_delta().geometry();
+SharedDimensions design_of(const DeltaGeometry& geometry) {
+  SharedDimensions design = *shared_dimensions(catalogue::linear_delta().limbs());
   design.actuator = geometry.actuator;
   design.arm = geometry.actuator == Actuator::linear ? 0.0 : mean_of(geometry.arm);
   design.base_radius = geometry.radius + design.plate_radius;
@@ -47,21 +47,22 @@ Geometry design_of(const DeltaGeometry& geometry) {
 }
 
 /// What makes limbs that are alike the firmware's: the design of mean lengths, its shoulders at the height `origin`.
-SourceErrors differences(const DeltaGeometry& geometry, const Geometry& design, double origin, const Joints& homed) {
+SourceErrors differences(const DeltaGeometry& geometry, const SharedDimensions& design, double origin,
+                         const Joints& homed) {
   const Machine firmware = machine_of(geometry);
   SourceErrors errors;
   for (std::size_t i = 0; i < 3; ++i) {
     const Limb& limb = firmware.limbs[i];
-    const double intended = design.limb_azimuth[i], radius = design.base_radius - design.plate_radius;
-    errors(i, "e_x") = limb.base.x() - radius * std::cos(intended);
-    errors(i, "e_y") = limb.base.y() - radius * std::sin(intended);
+    const double azimuth = design.limb_azimuth[i], radius = design.base_radius - design.plate_radius;
+    errors(i, "e_x") = limb.base.x() - radius * std::cos(azimuth);
+    errors(i, "e_y") = limb.base.y() - radius * std::sin(azimuth);
     errors(i, "rod_mean") = limb.mean_rod() - design.rod;
     errors(i, "theta_offset") = limb.joint_offset - homed[static_cast<Eigen::Index>(i)];
     if (geometry.actuator == Actuator::linear) {
       errors(i, "theta_offset") -= origin;
       continue;
     }
-    errors(i, "beta0") = geometry.tower_angle[i] - intended;  // the arm swings in the tower's plane
+    errors(i, "beta0") = geometry.tower_angle[i] - azimuth;  // the arm swings in the tower's plane
     errors(i, "e_z") = limb.base.z() - origin;
     errors(i, "arm_length") = limb.arm - design.arm;
   }
@@ -84,21 +85,23 @@ PrinterMachine printer_machine(const DeltaGeometry& firmware, const DeltaGeometr
   if (!linear) std::ranges::copy(at_endstops, homed.begin());
   RobotDescription robot;
   robot.name = "printer";
-  robot.geometry = design_of(like);
+  robot.freedoms = kLevelPlate;
   const double height = linear ? origin : mean_of(like.endstop);
   robot.workspace = workspace_of(like, height, print_radius);
   robot.workspace.radius = std::min(robot.workspace.radius, workspace_of(firmware, height, print_radius).radius);
   robot.workspace.top_z = robot.workspace.height - origin;
-  robot.tolerances = printer_tolerances(robot.geometry);
-  robot.intended = differences(firmware, robot.geometry, origin, homed);
+  SharedDimensions design = design_of(like);
+  design.differences = differences(firmware, design, origin, homed);
+  robot.limbs = limbs_of(design);
+  robot.tolerances = printer_tolerances(robot.limbs);
   robot.controller_origin = {0.0, 0.0, -origin};
-  const SourceErrors design = SourceErrors{} - robot.intended;
-  return {.robot = Robot(std::move(robot)), .design = design, .bed = -origin, .homed = homed};
+  return {
+      .robot = Robot(std::move(robot)), .design = SourceErrors{} - design.differences, .bed = -origin, .homed = homed};
 }
 
-Tolerances printer_tolerances(const Geometry& geometry) {
-  const bool linear = geometry.actuator == Actuator::linear;
-  const double width = geometry.parallelogram_width;
+Tolerances printer_tolerances(const Limbs& limbs) {
+  const bool linear = actuator_of(limbs) == Actuator::linear;
+  const double width = sizes_of(limbs).parallelogram_width;
   Tolerances tolerances;
   tolerances["theta_offset"] = linear ? 10.0 : to_radians(5.0);
   tolerances["e_x"] = tolerances["e_y"] = linear ? 1.5 : 0.3;
@@ -112,7 +115,7 @@ Tolerances printer_tolerances(const Geometry& geometry) {
   tolerances["alpha03"] = tolerances["beta03"] = tolerances["alpha2"] = tolerances["beta2"] = assembly;
   tolerances.origin.values.fill(Origin::generous);
   if (linear) tolerances.origin["gain"] = Origin::exact;
-  list_assumed(tolerances, geometry);
+  list_assumed(tolerances, limbs);
   return tolerances;
 }
 

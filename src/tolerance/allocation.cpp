@@ -258,7 +258,7 @@ Allocation allocate(const Robot& robot, const EqualInfluence& problem) {
   worst.value *= tightest;
   Allocation allocation{.status = AllocationStatus::optimal, .rounds = 1};
   allocation.tolerances = with_tilt_group(problem.rest, tightest * ratio * units);
-  list_assumed(allocation.tolerances, robot.geometry());
+  list_assumed(allocation.tolerances, robot.limbs());
   allocation.cost = mean_cost(tightest * ratio);
   // The cost goes with one over the limit.
   allocation.requirements = {{{tilt, problem.max_tilt}, worst, allocation.cost / problem.max_tilt}};
@@ -270,7 +270,7 @@ Allocation allocate(const Robot& robot, const AllocationProblem& problem) {
   check(problem);
   Allocation allocation =
       problem.max_failures ? detail::allocate_by_yield(robot, problem) : allocate_by_spread(robot, problem);
-  list_assumed(allocation.tolerances, robot.geometry());
+  list_assumed(allocation.tolerances, robot.limbs());
   return allocation;
 }
 

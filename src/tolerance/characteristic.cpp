@@ -88,7 +88,7 @@ std::string_view why_not_asked(const Robot& robot, Characteristic characteristic
            "others";
   }
   if (!robot.nominal().has_guides) return {};
-  const auto& free = robot.geometry().freedoms.free;
+  const auto& free = robot.freedoms().free;
   if (characteristic.quantity == Quantity::tilt && !free[3] && !free[4]) {
     return "the guides prevent tilt: expected position or distance (--quantity or --problem)";
   }

@@ -126,7 +126,7 @@ Cut cut_at(const Robot& robot, const AllocationProblem& problem, std::size_t req
                   : PerSource(worst_case_weights(robot, rows, worst_case(robot, rows, with(problem, at)).direction) /
                               wanted.limit);
   const Tolerances fixed = with(problem, Eigen::VectorXd::Zero(count));
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     cut.room -= weights(place(source)) * (statistical ? std::pow(fixed.std(source), 2) : fixed.largest(source));
   }
   for (Eigen::Index v = 0; v < count; ++v) {

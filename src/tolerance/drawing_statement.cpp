@@ -283,7 +283,7 @@ DrawingStatement on_a_drawing(double half_width, const DrawnFeature& feature) {
 
 std::optional<DrawingStatement> on_a_drawing(const Tolerances& tolerances, Source source, const Robot& robot) {
   if (!(tolerances[source] > 0.0)) return std::nullopt;
-  return on_a_drawing(tolerances[source], drawn_feature(source, robot.geometry(), robot.intended()));
+  return on_a_drawing(tolerances[source], drawn_feature(source, robot.limbs()));
 }
 
 }  // namespace paracal

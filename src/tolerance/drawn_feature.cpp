@@ -98,26 +98,15 @@ DrawnFeature feature_of(Source source, const std::vector<Actuator>& kinds) {
   return found == features().end() ? nothing("no drawing shows it") : found->feature;
 }
 
-double own_size(Source source, const LimbDescription& limb) {
+double size_of(Source source, const LimbDescription& limb) {
   if (source == "width_difference") return limb.width;
   return source == "arm_length" ? limb.arm : limb.length;
 }
 
-double level_size(Source source, const Geometry& geometry, const SourceErrors& intended, std::size_t limb) {
-  if (source == "width_difference") return geometry.parallelogram_width;
-  if (source == "arm_length") return geometry.arm + intended(limb, source);
-  return geometry.rod + intended(limb, "rod_mean");
-}
-
-std::vector<double> sizes_of(Source source, const Geometry& geometry, const SourceErrors& intended) {
+std::vector<double> sizes_of(Source source, const Limbs& limbs) {
   std::vector<double> sizes;
-  for (const LimbDescription& limb : geometry.limbs) {
-    if (place_in(limb.kind, source) < kMostSources) sizes.push_back(own_size(source, limb));
-  }
-  // A geometry may not have been checked yet.
-  const std::size_t alike = std::clamp<std::size_t>(geometry.limb_azimuth.size(), 1, kMaxLimbs);
-  for (std::size_t limb = 0; geometry.limbs.empty() && limb < alike; ++limb) {
-    sizes.push_back(level_size(source, geometry, intended, limb));
+  for (const LimbDescription& limb : limbs) {
+    if (place_in(limb.kind, source) < kMostSources) sizes.push_back(size_of(source, limb));
   }
   std::ranges::sort(sizes);
   sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());
@@ -131,11 +120,11 @@ std::string_view name(Orientation orientation) {
   return kNames[static_cast<std::size_t>(orientation)];
 }
 
-DrawnFeature drawn_feature(Source source, const Geometry& geometry, const SourceErrors& intended) {
-  DrawnFeature feature = feature_of(sharing(source, geometry).front(), kinds_of(geometry));
-  if (feature.kind == Kind::size) feature.sizes = sizes_of(source, geometry, intended);
+DrawnFeature drawn_feature(Source source, const Limbs& limbs) {
+  DrawnFeature feature = feature_of(sharing(source, limbs).front(), kinds_of(limbs));
+  if (feature.kind == Kind::size) feature.sizes = sizes_of(source, limbs);
   // The bars' joints are the parallelogram's width apart.
-  feature.length = tilts_plate(source) ? geometry.parallelogram_width : kUnknownLength;
+  feature.length = tilts_plate(source) ? paracal::sizes_of(limbs).parallelogram_width : kUnknownLength;
   return feature;
 }
 

@@ -57,7 +57,7 @@ GlobalSensitivity global_sensitivity(const Robot& robot, Characteristic characte
 
 PerSource paper_units(const Robot& robot) {
   PerSource factor = PerSource::Ones();
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     if (tilts_plate(source)) factor(place(source)) = 1.0 / paper_scale(robot, source);
   }
   return factor;
@@ -68,7 +68,7 @@ std::vector<Contributor> contributors(const Robot& robot, const SourceRows& rows
   const double whole = parts.sum();
   std::vector<Contributor> list;
   if (!(whole > 0.0)) return list;
-  for (const Source source : sources_of(robot.geometry())) list.push_back({source, parts(place(source)) / whole});
+  for (const Source source : sources_of(robot.limbs())) list.push_back({source, parts(place(source)) / whole});
   std::ranges::stable_sort(list, std::ranges::greater(), &Contributor::share);
   return list;
 }

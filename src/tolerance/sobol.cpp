@@ -16,7 +16,7 @@ constexpr std::uint64_t kOther = std::uint64_t{1} << 63;  // streams of the mach
 
 std::vector<Source> varying(const Robot& robot, const Tolerances& tolerances) {
   std::vector<Source> sources;
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     if (tolerances.std(source) > 0.0) sources.push_back(source);
   }
   return sources;

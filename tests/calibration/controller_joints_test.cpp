@@ -34,7 +34,7 @@ Robot changed(const Robot& robot, const Change& change) {
 }
 
 Change longer_rod(double mm) {
-  return [mm](RobotDescription& one) { one.geometry.rod += mm; };
+  return [mm](RobotDescription& one) { test::redimension(one, [&](SharedDimensions& shared) { shared.rod += mm; }); };
 }
 
 /// What a display with so many decimals (deg or mm) shows.
@@ -71,7 +71,7 @@ TEST_P(ControllerJoints, AtHomeAndOnTheRimNameTheRod) {
       check_controller(robot, {displayed(controller, home(robot)), displayed(controller, towards(robot, 0.3))});
   ASSERT_FALSE(check.agrees());
   EXPECT_EQ(*check.differs, 0u);
-  const double rod = robot.geometry().rod;
+  const double rod = sizes_of(robot.limbs()).rod;
   EXPECT_THAT(check.explanations, ElementsAre(fmt::format("rod {:.2f} mm instead of {:g} mm", rod - 10.0, rod)));
   EXPECT_TRUE(check.is_named);
   EXPECT_FALSE(check.deciding);
@@ -191,8 +191,10 @@ TEST_F(OneController, WithOtherJointsIsToldWhich) {
 
 /// Only the difference of the two radii enters the joints.
 TEST_F(OneController, WithAnotherRadiusIsToldBoth) {
-  const double base = robot.geometry().base_radius, plate = robot.geometry().plate_radius;
-  const Robot controller = changed(robot, [](RobotDescription& one) { one.geometry.base_radius += 4.0; });
+  const double base = sizes_of(robot.limbs()).base_radius, plate = sizes_of(robot.limbs()).plate_radius;
+  const Robot controller = changed(robot, [](RobotDescription& one) {
+    test::redimension(one, [&](SharedDimensions& shared) { shared.base_radius += 4.0; });
+  });
   EXPECT_THAT(explained([&](const Pose& pose) { return of(controller, pose); }),
               ElementsAre(fmt::format("base radius {:.2f} mm instead of {:g} mm (or plate radius {:.2f} mm "
                                       "instead of {:g} mm, which gives the same joints)",
@@ -201,8 +203,8 @@ TEST_F(OneController, WithAnotherRadiusIsToldBoth) {
 
 TEST_F(OneController, WithTwoOtherDimensionsIsNotExplained) {
   const Robot controller = changed(robot, [](RobotDescription& one) {
-    one.geometry.rod += 7.0;
-    one.geometry.arm -= 4.0;
+    test::redimension(one, [&](SharedDimensions& shared) { shared.rod += 7.0; });
+    test::redimension(one, [&](SharedDimensions& shared) { shared.arm -= 4.0; });
   });
   EXPECT_THAT(explained([&](const Pose& pose) { return of(controller, pose); }), IsEmpty());
 }

@@ -122,19 +122,29 @@ void misprint(World& world, Change&& change) {
 }
 
 void misprint_rod(World& world) {
-  misprint(world, [](RobotDescription& robot) { robot.geometry.rod += 10.0; });
+  misprint(world, [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.rod += 10.0; });
+  });
 }
 void misprint_base(World& world) {
-  misprint(world, [](RobotDescription& robot) { robot.geometry.base_radius -= 10.0; });
+  misprint(world, [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.base_radius -= 10.0; });
+  });
 }
 void misprint_plate(World& world) {
-  misprint(world, [](RobotDescription& robot) { robot.geometry.plate_radius += 10.0; });
+  misprint(world, [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.plate_radius += 10.0; });
+  });
 }
 void misprint_arm(World& world) {
-  misprint(world, [](RobotDescription& robot) { robot.geometry.arm -= 10.0; });
+  misprint(world, [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.arm -= 10.0; });
+  });
 }
 void misprint_azimuth(World& world) {
-  misprint(world, [](RobotDescription& robot) { robot.geometry.limb_azimuth[1] += to_radians(5.0); });
+  misprint(world, [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.limb_azimuth[1] += to_radians(5.0); });
+  });
 }
 void misprint_pinion(World& world) {
   misprint(world, [](RobotDescription& robot) { robot.slide->pinion_radius += 1.0; });

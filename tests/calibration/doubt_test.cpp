@@ -58,7 +58,7 @@ Robot misprinted(const Robot& robot, Measurements& measured) {
   for (Station& station : measured.stations) station.believed = believed_joints(robot, station);
   RobotDescription description = robot.description();
   description.workspace.radius = description.workspace.height = 1.0;
-  description.geometry.rod += 10.0;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.rod += 10.0; });
   return Robot(std::move(description));
 }
 

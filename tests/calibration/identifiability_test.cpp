@@ -118,11 +118,13 @@ TEST(Identifiability, FewPosesLeaveMoreThanMotionsOpen) {
 TEST(Identifiability, RailsThatLieFlatTurnAboutThemselvesUnseen) {
   for (const double arm : {0.0, 20.0}) {
     RobotDescription description = catalogue::linear_delta().description();
-    description.geometry.base_radius = 500.0;
-    description.geometry.arm = arm;
-    description.geometry.rod = 700.0;
+    test::redimension(description, [&](SharedDimensions& shared) { shared.base_radius = 500.0; });
+    test::redimension(description, [&](SharedDimensions& shared) { shared.arm = arm; });
+    test::redimension(description, [&](SharedDimensions& shared) { shared.rod = 700.0; });
     description.workspace = {.radius = 200.0, .height = 150.0, .top_z = -450.0};
-    for (std::size_t limb = 0; limb < 3; ++limb) description.intended(limb, "beta0") = -0.5 * std::numbers::pi;
+    for (std::size_t limb = 0; limb < 3; ++limb)
+      test::redimension(description,
+                        [&](SharedDimensions& shared) { shared.differences(limb, "beta0") = -0.5 * std::numbers::pi; });
     const Robot robot(description);
     const Identifiability seen = identifiability(robot, planned(robot, fine_stations(robot, 9)));
     for (const NullDirection& one : seen.null_space) EXPECT_TRUE(one.gauge) << one.text;

@@ -280,20 +280,24 @@ class WrongNominal : public testing::Test {
 };
 
 TEST_F(WrongNominal, LengthsAreToldInMillimetres) {
-  const auto [plate, radius] =
-      told("plate_radius_mm", [](RobotDescription& robot) { robot.geometry.plate_radius += 10.0; });
+  const auto [plate, radius] = told("plate_radius_mm", [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.plate_radius += 10.0; });
+  });
   EXPECT_THAT(plate, testing::MatchesRegex(".*with plate_radius_mm = [0-9]+\\.[0-9] instead of 85"));
   EXPECT_NEAR(radius, 75.0, 1.5);
-  const auto [rod, length] = told("rod_mm", [](RobotDescription& robot) { robot.geometry.rod += 10.0; });
+  const auto [rod, length] = told("rod_mm", [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.rod += 10.0; });
+  });
   EXPECT_THAT(rod, HasSubstr("with rod_mm = "));
   EXPECT_NEAR(length, 950.0, 1.5);
 }
 
 TEST_F(WrongNominal, AzimuthsAreToldInDegrees) {
-  const auto [text, azimuth] = told("limb_azimuth_deg of limb 2",
-                                    [](RobotDescription& robot) { robot.geometry.limb_azimuth[1] += to_radians(5.0); });
+  const auto [text, azimuth] = told("limb_azimuth_deg of limb 2", [](RobotDescription& robot) {
+    test::redimension(robot, [&](SharedDimensions& shared) { shared.limb_azimuth[1] += to_radians(5.0); });
+  });
   EXPECT_THAT(text, testing::MatchesRegex(".*limb_azimuth_deg of limb 2 = [-0-9]+\\.[0-9][0-9] instead of .*"));
-  const double right = to_degrees(catalogue::huang2016().geometry().limb_azimuth[1]);
+  const double right = to_degrees(*catalogue::huang2016().limbs()[1].azimuth);
   EXPECT_NEAR(azimuth, right, 0.7);
 }
 

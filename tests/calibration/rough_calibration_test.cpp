@@ -46,7 +46,8 @@ Measurements measure(const Robot& robot, const SourceErrors& errors, std::vector
 /// @param largest  deg; on rails as far as turns the rods by that.
 SourceErrors random_offsets(const Robot& robot, double largest, Random& random) {
   SourceErrors errors;
-  const double unit_size = to_radians(1.0) * (joint_unit(robot.actuator()) == Unit::mm ? robot.geometry().rod : 1.0);
+  const double unit_size =
+      to_radians(1.0) * (joint_unit(robot.actuator()) == Unit::mm ? sizes_of(robot.limbs()).rod : 1.0);
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     errors(limb, "theta_offset") = unit_size * random.uniform(-largest, largest);
   }

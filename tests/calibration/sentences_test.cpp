@@ -185,7 +185,7 @@ TEST_F(Sentences, AMachineThatDoesNotReachItsWorkspaceHasNoUse) {
 TEST_F(Sentences, AMachineThatDoesNotCloseIsToldFromAFitThatDidNotSettle) {
   robot = catalogue::linear_delta();
   Measurements measured = points(0.0);
-  measured.stations[2].believed = Eigen::Vector3d(0.0, 0.0, 10.0 * robot.geometry().rod);
+  measured.stations[2].believed = Eigen::Vector3d(0.0, 0.0, 10.0 * sizes_of(robot.limbs()).rod);
   const Calibration calibration = calibrate(robot, measured, {.stage = Stage::fine, .diagnose = false});
   EXPECT_EQ(calibration.verdict, Verdict::not_converged);
   EXPECT_THAT(calibration.reasons, ElementsAre(HasSubstr("cannot reach every station, or a reading is impossible")));

@@ -149,7 +149,7 @@ TEST_P(GuidedWalk, BatchesAreMade) {
 
 /// A pose that guides do not let be says so, and poses of a plane need not say where the plane is.
 TEST_P(GuidedWalk, PosesBesideTheGuidesAreRefused) {
-  if (robot.geometry().freedoms.holds_z()) {
+  if (robot.freedoms().holds_z()) {
     folder.write("lifted.csv", "pose,x_mm,y_mm,z_mm\nA,1,2,3\n");
     const ProgramResult lifted = run("inverse --robot r.toml --poses lifted.csv");
     EXPECT_EQ(lifted.exit_code, kMathematicsSaysNo);

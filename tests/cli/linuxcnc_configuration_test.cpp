@@ -126,7 +126,7 @@ constexpr std::string_view kLetters = "XYZABC";
 using Coordinates = std::array<double, 6>;
 
 bool moves(const Robot& robot, std::size_t axis) {
-  return robot.geometry().freedoms.free.at(axis) || (axis == 5 && robot.slide());
+  return robot.freedoms().free.at(axis) || (axis == 5 && robot.slide());
 }
 
 Coordinates coordinates_of(const Robot& robot, const Pose& pose) {

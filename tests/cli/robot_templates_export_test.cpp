@@ -296,7 +296,7 @@ class SixFreedomsHal : public LinuxcncExport {
       TiltedPose pose = poses[k];
       std::vector<double> expected = joints[k];
       for (std::size_t axis = 0; axis < pose.size(); ++axis) {
-        if (robot.geometry().freedoms.free[axis]) continue;
+        if (robot.freedoms().free[axis]) continue;
         pose[axis] = static_cast<double>(k % 100) + 0.25 * static_cast<double>(axis);  // as a pen goes up and down
         expected.push_back(pose[axis]);
       }
@@ -340,7 +340,7 @@ TEST_P(TemplateHal, OurComponentGivesTheLibrarysJoints) {
   // And on its own pins, without the controller.
   std::string commands;
   for (std::size_t k = 0; k < 6; ++k) {
-    if (robot.geometry().freedoms.free[k]) commands += fmt::format("net {0} paracal-trial.command.{0}\n", "xyzabc"[k]);
+    if (robot.freedoms().free[k]) commands += fmt::format("net {0} paracal-trial.command.{0}\n", "xyzabc"[k]);
   }
   run_hal(replaced(hal_of("paracal_trial", "addf paracal-trial.compensate servo-thread\n", "paracal-trial.joint.{}",
                           robot.limb_count()),

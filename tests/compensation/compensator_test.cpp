@@ -111,7 +111,8 @@ TEST_P(CompensatorLaw, LinearWaysLeaveLittle) {
   RecordProperty("tilt_aware_mm", std::to_string(tilt_aware));
   EXPECT_GT(uncompensated, 1.0);
   EXPECT_LT(linear, 0.3);
-  EXPECT_LT(tilt_aware, 0.03 * 950.0 / robot.geometry().rod);  // of second order: errors of one size, over the robot's
+  EXPECT_LT(tilt_aware,
+            0.03 * 950.0 / sizes_of(robot.limbs()).rod);  // of second order: errors of one size, over the robot's
 }
 
 /// To first order the tilt-aware way is exact: errors ten times smaller leave a hundredth.
@@ -138,7 +139,7 @@ TEST_P(CompensatorLaw, TheTiltAwareRemainderIsOfSecondOrder) {
 /// In float the constants alone are rounded by up to 6e-8 of their size: 0.03 um to 0.06 um in a metre.
 TEST_P(CompensatorLaw, FloatIsGoodToMicrometres) {
   // A carriage's mm count as the angles by which they turn its rods.
-  const double unit_size = joint_unit(robot.actuator()) == Unit::mm ? robot.geometry().rod : 1.0;
+  const double unit_size = joint_unit(robot.actuator()) == Unit::mm ? sizes_of(robot.limbs()).rod : 1.0;
   for (const CompensationWay way : {CompensationWay::exact, CompensationWay::tilt_aware, CompensationWay::linear}) {
     double worst = 0.0;
     for (int number = 0; number < 10; ++number) {

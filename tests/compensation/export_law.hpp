@@ -146,7 +146,7 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
   template <typename Task>
   void judge_poses_anywhere(Task&& answer_to) {
     if (!robot.is_level()) return;
-    const double size = robot.geometry().base_radius + 2.0 * robot.geometry().rod;
+    const double size = sizes_of(robot.limbs()).base_radius + 2.0 * sizes_of(robot.limbs()).rod;
     std::array<int, 4> counts{};
     int others = 0;
     for (int k = 0; k < 2000; ++k) {
@@ -195,10 +195,10 @@ class ExportLaw : public testing::TestWithParam<std::tuple<std::string_view, std
     RobotDescription larger = robot.description();
     larger.name = "larger";
     larger.workspace.radius *= 0.99;
-    Geometry& geometry = larger.geometry;
-    geometry.base_radius += 0.1;
-    geometry.arm += 0.1;
-    for (LimbDescription& limb : geometry.limbs) limb.base *= 1.0 + 1e-4;
+    for (LimbDescription& limb : larger.limbs) {
+      limb.base *= 1.0 + 5e-4;
+      if (limb.arm > 0.0) limb.arm += 0.1;
+    }
     return exported_set(Robot(larger), errors, drives).set;
   }
 

@@ -20,7 +20,7 @@ TEST_P(RobotFileLaw, WrittenRobotReadsBack) {
   EXPECT_EQ(robot_toml(again), text);
   EXPECT_EQ(to_json(again), to_json(robot));
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    EXPECT_NEAR(again.geometry().limb_azimuth[i], robot.geometry().limb_azimuth[i], 1e-15);
+    EXPECT_NEAR(azimuth_of(again.limbs()[i]), azimuth_of(robot.limbs()[i]), 1e-15);
   }
   EXPECT_EQ(again.limb_count(), robot.limb_count());
 }
@@ -51,19 +51,52 @@ TEST(RobotFile, RefusedGeometryNamesTheLine) {
       testing::ThrowsMessage<InputFileError>(testing::StartsWith("robot.toml:6: geometry.arm_mm: expected")));
 }
 
+/// What [geometry] can describe: three or four limbs, from which the plate hangs.
+TEST(RobotFile, TheShortFormIsOfThreeOrFourLimbsAbove) {
+  const auto refused = [](const Robot& robot, std::string_view key, const std::string& line, const char* why) {
+    std::string text = robot_toml(robot);
+    const std::size_t at = text.find(key);
+    text.replace(at, text.find('\n', at) - at, line);
+    EXPECT_THAT([&] { read_robot({"r", text}); }, testing::ThrowsMessage<InputFileError>(testing::HasSubstr(why)));
+  };
+  refused(catalogue::huang2016(), "limb_azimuth_deg", "limb_azimuth_deg = [0, 60, 120, 180, 270]",
+          "r:9: geometry.limb_azimuth_deg: expected 4 limbs for a plate with a slide, got 5");
+  refused(catalogue::rotary_delta(), "limb_azimuth_deg", "limb_azimuth_deg = [0, 60, 120, 180]",
+          "geometry.limb_azimuth_deg: expected 3 limbs for a rigid plate, got 4");
+  refused(catalogue::rotary_delta(), "limb_azimuth_deg", "limb_azimuth_deg = []", "got 0");
+  refused(catalogue::rotary_delta(), "top_z_mm", "top_z_mm = 763", "workspace.top_z_mm: expected a depth below");
+}
+
+/// What limbs differ in counts from what most of them have, whatever the file counted it from.
+TEST(RobotFile, DifferencesCountFromMostLimbs) {
+  const std::string text = robot_toml(catalogue::rotary_delta());
+  const Robot robot =
+      read_robot({"r", text + "\n[[limb]]\nrod_mean_mm = 3\n[[limb]]\nrod_mean_mm = 3\ne_mm = [0, 0, 2.5]\n[[limb]]\n"
+                              "theta_offset_deg = 1.5\n"});
+  EXPECT_EQ(to_json(robot)["geometry"]["rod_mm"], 953.0);
+  EXPECT_EQ(to_json(robot)["limb"], Json::parse(R"([{}, {"e_mm": [0.0, 0.0, 2.5]},
+                                                     {"theta_offset_deg": 1.5, "rod_mean_mm": -3.0}])"));
+  const Machine again = read_robot({"r", robot_toml(robot)}).nominal();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again.limbs[i].rod, robot.nominal().limbs[i].rod);
+    EXPECT_EQ(again.limbs[i].base, robot.nominal().limbs[i].base);
+    EXPECT_EQ(again.limbs[i].joint_offset, robot.nominal().limbs[i].joint_offset);
+  }
+}
+
 TEST(RobotFile, LimbsMayDifferOnPurpose) {
   const std::string text = robot_toml(catalogue::rotary_delta());
   const std::string own =
       text + "\n[[limb]]\nrod_mean_mm = 3\ne_mm = [0, 0, 25]\n[[limb]]\n[[limb]]\narm_length_mm = -2\n";
   const Robot robot = read_robot({"robot.toml", own});
   const Machine& nominal = robot.nominal();
-  EXPECT_NEAR(nominal.limbs[0].mean_rod(), robot.geometry().rod + 3.0, 1e-12);
+  EXPECT_NEAR(nominal.limbs[0].mean_rod(), 950.0 + 3.0, 1e-12);
   EXPECT_NEAR(nominal.limbs[0].base.z(), 25.0, 1e-12);
-  EXPECT_NEAR(nominal.limbs[2].arm, robot.geometry().arm - 2.0, 1e-12);
-  EXPECT_EQ(nominal.limbs[1].mean_rod(), robot.geometry().rod);
+  EXPECT_NEAR(nominal.limbs[2].arm, 400.0 - 2.0, 1e-12);
+  EXPECT_EQ(nominal.limbs[1].mean_rod(), 950.0);
   SourceErrors errors;
   errors(0, "rod_mean") = 0.5;
-  EXPECT_NEAR(build(robot, errors).limbs[0].mean_rod(), robot.geometry().rod + 3.5, 1e-12);
+  EXPECT_NEAR(build(robot, errors).limbs[0].mean_rod(), 950.0 + 3.5, 1e-12);
 }
 
 TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
@@ -78,7 +111,8 @@ TEST(RobotFile, RefusesWhatNoLimbIsMeantToBe) {
   };
   refused("\n[[limb]]\n[[limb]]\n", "expected 3 [[limb]] tables, one for each limb, got 2");
   refused("\n[[limb]]\nalpha2_deg = 1\n[[limb]]\n[[limb]]\n", "limb: expected no alpha2 of limb 1");
-  refused("\n[[limb]]\nrod_mean_mm = -950\n[[limb]]\n[[limb]]\n", "limb: expected the rods of limb 1 longer than 0 mm");
+  refused("\n[[limb]]\nrod_mean_mm = -950\n[[limb]]\n[[limb]]\n",
+          "limb: rod_mm of limb 1: expected a length above 0 mm, got 0 mm");
   refused("\n[[limb]]\nrod_mean_mm = nan\n[[limb]]\n[[limb]]\n", "rod_mean");
   refused("\n[controller]\norigin_mm = [0, 1]\n", "origin_mm");
   refused("\n[controller]\n", "origin_mm");

@@ -105,8 +105,8 @@ TEST(SameRobot, RoundingIsNoDifference) {
   const Robot robot = catalogue::huang2016();
   const double ulp = 1.0 + 1e-15;
   EXPECT_FALSE(difference(robot, changed([&](RobotDescription& one) {
-                            one.geometry.rod *= ulp;
-                            one.geometry.limb_azimuth[1] *= ulp;
+                            test::redimension(one, [&](SharedDimensions& shared) { shared.rod *= ulp; });
+                            test::redimension(one, [&](SharedDimensions& shared) { shared.limb_azimuth[1] *= ulp; });
                             one.slide->axis.x() = 1e-17;
                           })));
   EXPECT_FALSE(difference(robot, changed([](RobotDescription& one) {
@@ -121,8 +121,13 @@ TEST(SameRobot, ThePartThatDiffersIsNamed) {
     return difference(robot, changed(change)).value_or("the same");
   };
   EXPECT_EQ(found([](RobotDescription& one) { one.name = "other"; }), "name \"huang2016\", got \"other\"");
-  EXPECT_EQ(found([](RobotDescription& one) { one.geometry.rod = 950.00001; }), "geometry.rod_mm 950.0, got 950.00001");
-  EXPECT_THAT(found([](RobotDescription& one) { one.geometry.limb_azimuth[2] += 1e-6; }),
+  EXPECT_EQ(found([](RobotDescription& one) {
+              test::redimension(one, [&](SharedDimensions& shared) { shared.rod = 950.00001; });
+            }),
+            "geometry.rod_mm 950.0, got 950.00001");
+  EXPECT_THAT(found([](RobotDescription& one) {
+                test::redimension(one, [&](SharedDimensions& shared) { shared.limb_azimuth[2] += 1e-6; });
+              }),
               StartsWith("geometry.limb_azimuth_deg [-45.0"));
   EXPECT_THAT(found([](RobotDescription& one) { one.slide->pinion_radius = 13.0; }),
               StartsWith("plate.pinion_radius_mm"));
@@ -148,7 +153,10 @@ TEST(SameRobot, ACalibrationSurvivesTheRobotsFile) {
 
 TEST(RobotLine, NamesTheCataloguesAlone) {
   EXPECT_EQ(robot_line(catalogue::rotary_delta()), "# robot: rotary_delta\n");
-  EXPECT_EQ(robot_line(changed([](RobotDescription& one) { one.geometry.rod = 951.0; })), "");
+  EXPECT_EQ(robot_line(changed([](RobotDescription& one) {
+              test::redimension(one, [&](SharedDimensions& shared) { shared.rod = 951.0; });
+            })),
+            "");
   EXPECT_EQ(robot_line(changed([](RobotDescription& one) { one.name = "mine"; })), "");
 }
 
@@ -156,11 +164,11 @@ TEST(RobotLine, NamesTheCataloguesAlone) {
 TEST(SameRobot, LimbsMakeAnotherRobot) {
   RobotDescription description = test::robot_named("unlike_limbs").description();
   const Robot one(description);
-  description.intended(1, "rod_mean") += 1e-13;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.differences(1, "rod_mean") += 1e-13; });
   EXPECT_FALSE(difference(one, Robot(description)));
-  description.intended(1, "rod_mean") += 1e-3;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.differences(1, "rod_mean") += 1e-3; });
   EXPECT_THAT(difference(one, Robot(description)).value_or(""), testing::HasSubstr("limb"));
-  description.intended = {};
+  test::redimension(description, [](SharedDimensions& shared) { shared.differences = {}; });
   EXPECT_TRUE(difference(one, Robot(description)));
 }
 

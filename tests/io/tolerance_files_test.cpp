@@ -14,7 +14,7 @@ namespace {
 using testing::AllOf, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not, testing::StartsWith;
 
 const Robot kRobot = catalogue::huang2016();
-const Geometry& kGeometry = kRobot.geometry();
+const Limbs& kLimbs = kRobot.limbs();
 
 Tolerances read(const std::string& text, const Robot& robot = kRobot) {
   return read_tolerances({"t.toml", text}, robot);
@@ -52,7 +52,7 @@ TEST(ToleranceFile, OthersAreExactWhereItSaysSo) {
 TEST(ToleranceFile, OthersAreGenerousWhereItSaysSo) {
   const Tolerances tolerances = read("e_mm = 0.1\nothers = \"generous\"\n");
   EXPECT_EQ(tolerances["e_z"], 0.1);
-  EXPECT_EQ(tolerances["theta_offset"], generous_tolerances(kGeometry)["theta_offset"]);
+  EXPECT_EQ(tolerances["theta_offset"], generous_tolerances(kLimbs)["theta_offset"]);
   ASSERT_EQ(tolerances.assumed.size(), 1u);
   EXPECT_THAT(tolerances.assumed[0], AllOf(HasSubstr("default tolerances"), HasSubstr("theta_offset 1.5 deg"),
                                            HasSubstr("rod_mean 2.4 mm"), Not(HasSubstr(" e "))));
@@ -104,7 +104,7 @@ TEST(ToleranceFile, WhatNobodyStatesStaysUnstated) {
 
 TEST(ToleranceFile, ExactOthersReadBack) {
   const Tolerances tolerances = read("rod_mean_mm = 0.1\nothers = \"exact\"\n");
-  const std::string text = tolerances_toml(tolerances, catalogue::huang2016().geometry());
+  const std::string text = tolerances_toml(tolerances, catalogue::huang2016().limbs());
   EXPECT_THAT(text, Not(HasSubstr("beta2")));
   EXPECT_EQ(read(text).assumed, tolerances.assumed);
 }
@@ -155,16 +155,16 @@ TEST(ToleranceFile, SizesAreThoseOfTheRobotOfItsFile) {
 
 TEST(ToleranceFile, CommentsOfADrawingChangeNothing) {
   for (const Robot& robot : {catalogue::huang2016(), catalogue::linear_delta(), read_robot(robot_template("6-pss"))}) {
-    const std::string plain = tolerances_toml(*robot.tolerances(), robot.geometry());
+    const std::string plain = tolerances_toml(*robot.tolerances(), robot.limbs());
     const std::string said = tolerances_toml(*robot.tolerances(), robot);
     EXPECT_NE(said, plain);
     EXPECT_THAT(said, HasSubstr("  # "));
-    EXPECT_EQ(tolerances_toml(read(said, robot), robot.geometry()), plain);
+    EXPECT_EQ(tolerances_toml(read(said, robot), robot.limbs()), plain);
   }
 }
 
-/// Tolerances stand before the geometry has been checked.
-TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
+/// Statements are of the sizes of limbs, so these are checked first.
+TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreNotRead) {
   std::string text = robot_toml(catalogue::rotary_delta());
   text.replace(text.find("[0, 120, 240]"), 13, "[]");
   text.replace(text.find("rod_mean_mm = 2.4"), 17, "rod_mean_mm = \"951 +- 1\"");
@@ -172,7 +172,8 @@ TEST(ToleranceFile, StatementsOfARobotWithoutLimbsAreRead) {
       [&] {
         read_robot({"r.toml", text});
       },
-      testing::ThrowsMessage<InputFileError>(HasSubstr("the robot's size is 950 mm")));
+      testing::ThrowsMessage<InputFileError>(
+          HasSubstr("geometry.limb_azimuth_deg: expected 3 limbs for a rigid plate, got 0")));
 }
 
 TEST(Tolerances, ThePaperStatesTable2Alone) {
@@ -188,10 +189,10 @@ TEST(Tolerances, ARobotWithoutAnyGetsGenerousOnesAndSaysSo) {
 }
 
 TEST(Tolerances, WhatADesignerChoosesIsStated) {
-  Tolerances tolerances = generous_tolerances(kGeometry);
+  Tolerances tolerances = generous_tolerances(kLimbs);
   tolerances.measured["rod_mean"] = {0.1};
   tolerances.state("rod_mean", 0.2);
-  list_assumed(tolerances, catalogue::huang2016().geometry());
+  list_assumed(tolerances, catalogue::huang2016().limbs());
   EXPECT_EQ(tolerances.largest("rod_mean"), 0.2);
   EXPECT_NEAR(tolerances.std("rod_mean"), 0.2 / 3.0, 1e-15);
   EXPECT_THAT(tolerances.assumed, ElementsAre(Not(HasSubstr("rod_mean"))));

@@ -94,7 +94,7 @@ TEST_P(ForwardLaw, ClosesExactlyWhenNothingTiltsThePlate) {
 
 TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
   Random random;
-  const bool keeps_z = robot.nominal().has_guides && robot.geometry().freedoms.holds_z();
+  const bool keeps_z = robot.nominal().has_guides && robot.freedoms().holds_z();
   const Eigen::Vector3d shift(0.7, -0.4, keeps_z ? 0.0 : 1.1);
   const bool on_rails = robot.actuator() == Actuator::carriage;
   for (int k = 0; k < 100; ++k) {
@@ -120,10 +120,7 @@ TEST_P(ForwardLaw, MovingAllBaseJointsTogetherMovesThePlateAlong) {
 TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
   constexpr double kScale = 2.5;
   RobotDescription description = robot.description();
-  for (double* length :
-       {&description.geometry.base_radius, &description.geometry.plate_radius, &description.geometry.arm,
-        &description.geometry.rod, &description.geometry.parallelogram_width, &description.workspace.radius,
-        &description.workspace.height, &description.workspace.top_z}) {
+  for (double* length : {&description.workspace.radius, &description.workspace.height, &description.workspace.top_z}) {
     *length *= kScale;
   }
   if (description.slide) description.slide->pinion_radius *= kScale;
@@ -137,16 +134,13 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
     level.z *= kScale;
     level.radius *= kScale;
   }
-  for (LimbDescription& limb : description.geometry.limbs) {
+  for (LimbDescription& limb : description.limbs) {
     limb.base *= kScale;
     limb.plate *= kScale;
     limb.length *= kScale;
     limb.arm *= kScale;
-  }
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (const Source source : sources_of(robot.actuator())) {
-      if (unit(source, robot.actuator()) == Unit::mm) description.intended(limb, source) *= kScale;
-    }
+    limb.width *= kScale;
+    if (joint_unit(limb.kind) == Unit::mm) limb.zero *= kScale;
   }
   const Robot larger(description);
   Random random;
@@ -161,8 +155,8 @@ TEST_P(ForwardLaw, ScalingEveryLengthScalesThePoseAndKeepsTheAngles) {
 
 TEST(Forward, RodsThatDoNotMeetAreNotAPose) {
   RobotDescription description = catalogue::rotary_delta().description();
-  description.geometry.base_radius = 400.0;
-  description.geometry.rod = 600.0;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.base_radius = 400.0; });
+  test::redimension(description, [&](SharedDimensions& shared) { shared.rod = 600.0; });
   description.workspace = {.radius = 50.0, .height = 20.0, .top_z = -500.0};
   const Robot robot(description);
   // Level arms put the elbows 740 mm from where the rods, 600 mm long, would have to meet.

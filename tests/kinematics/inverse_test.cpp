@@ -65,14 +65,14 @@ TEST_P(ReachLaw, NanIsUnreachable) {
 TEST_P(ReachLaw, WhatAPlateCannotDoIsUnreachable) {
   Pose pose{robot.workspace().centre()};
   pose.tilt.y() = 1e-3;
-  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), !robot.is_level() && robot.geometry().freedoms.free[4]);
+  EXPECT_EQ(inverse(robot.nominal(), pose).ok(), !robot.is_level() && robot.freedoms().free[4]);
   pose = {robot.workspace().centre(), 1e-3};
   const InverseResult turned = inverse(robot.nominal(), pose);
   EXPECT_EQ(turned.ok(), robot.slide().has_value());
   EXPECT_EQ(turned.unreachable_limb, -1);
   pose = {robot.workspace().centre() + Eigen::Vector3d(0.0, 0.0, 1e-3)};
   const InverseResult lifted = inverse(robot.nominal(), pose);
-  EXPECT_EQ(lifted.ok(), !robot.nominal().has_guides || robot.geometry().freedoms.free[2]);
+  EXPECT_EQ(lifted.ok(), !robot.nominal().has_guides || robot.freedoms().free[2]);
   EXPECT_EQ(lifted.unreachable_limb, -1);
 }
 

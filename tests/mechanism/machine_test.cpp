@@ -18,7 +18,7 @@ Matrix3d turn(const Vector3d& axis, double angle) { return Eigen::AngleAxisd(ang
 TEST(Machine, NominalFramesAreRadialVerticalAndAcross) {
   const Robot robot = catalogue::huang2016();
   for (std::size_t i = 0; i < 4; ++i) {
-    const double g = robot.geometry().limb_azimuth[i];
+    const double g = *robot.limbs()[i].azimuth;
     const Limb& limb = robot.nominal().limbs[i];
     EXPECT_TRUE(limb.frame.col(0).isApprox(Vector3d(std::cos(g), std::sin(g), 0)));
     EXPECT_TRUE(limb.frame.col(1).isApprox(Vector3d(0, 0, 1)));
@@ -37,7 +37,7 @@ TEST(Machine, ErrorsEnterAsInEquation1) {
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   for (std::size_t i = 0; i < 4; ++i) {
     const auto e = [&](Source source) { return errors(i, source); };
-    const double g = robot.geometry().limb_azimuth[i], quarter = std::numbers::pi / 2;
+    const double g = *robot.limbs()[i].azimuth, quarter = std::numbers::pi / 2;
     const Limb& limb = machine.limbs[i];
     const Matrix3d base = turn(z, g) * turn(x, quarter + e("alpha0")) * turn(y, e("beta0"));
     const Matrix3d elbow = turn(x, e("alpha2")) * turn(y, e("beta2"));

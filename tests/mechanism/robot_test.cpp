@@ -26,8 +26,8 @@ class RefusedRobot : public ::testing::TestWithParam<Nonsense> {};
 
 TEST_P(RefusedRobot, NamesQuantityAndLimit) {
   RobotDescription description = catalogue::huang2016().description();
-  GetParam().spoil(description);
   try {
+    GetParam().spoil(description);
     const Robot robot(description);
     FAIL() << "was accepted";
   } catch (const InvalidArgument& refusal) {
@@ -38,17 +38,22 @@ TEST_P(RefusedRobot, NamesQuantityAndLimit) {
 
 const Nonsense kNonsense[] = {
     {"NoName", [](auto& r) { r.name = ""; }, "name", "expected a name"},
-    {"NegativeArm", [](auto& r) { r.geometry.arm = -375; }, "geometry.arm_mm", "above 0 mm, got -375 mm"},
-    {"ZeroRod", [](auto& r) { r.geometry.rod = 0; }, "geometry.rod_mm", "above 0 mm, got 0 mm"},
-    {"NanWidth", [](auto& r) { r.geometry.parallelogram_width = kNan; }, "geometry.parallelogram_width_mm", "nan"},
-    {"InfiniteBase", [](auto& r) { r.geometry.base_radius = 1 / 0.0; }, "geometry.base_radius_mm", "inf"},
-    {"NegativePlate", [](auto& r) { r.geometry.plate_radius = -1; }, "geometry.plate_radius_mm", "above 0 mm"},
-    {"TwoLimbsAtOneAzimuth", [](auto& r) { r.geometry.limb_azimuth[2] = r.geometry.limb_azimuth[0] + to_radians(360); },
+    {"NegativeArm", [](auto& r) { test::redimension(r, [](auto& d) { d.arm = -375; }); }, "geometry.arm_mm",
+     "above 0 mm, got -375 mm"},
+    {"ZeroRod", [](auto& r) { test::redimension(r, [](auto& d) { d.rod = 0; }); }, "geometry.rod_mm",
+     "above 0 mm, got 0 mm"},
+    {"NanWidth", [](auto& r) { test::redimension(r, [](auto& d) { d.parallelogram_width = kNan; }); },
+     "geometry.parallelogram_width_mm", "nan"},
+    {"InfiniteBase", [](auto& r) { test::redimension(r, [](auto& d) { d.base_radius = 1 / 0.0; }); },
+     "geometry.base_radius_mm", "inf"},
+    {"NegativePlate", [](auto& r) { test::redimension(r, [](auto& d) { d.plate_radius = -1; }); },
+     "geometry.plate_radius_mm", "above 0 mm"},
+    {"TwoLimbsAtOneAzimuth",
+     [](auto& r) { test::redimension(r, [](auto& d) { d.limb_azimuth[2] = d.limb_azimuth[0] + to_radians(360); }); },
      "geometry.limb_azimuth_deg", "limbs 1 and 3"},
-    {"NanAzimuth", [](auto& r) { r.geometry.limb_azimuth[1] = kNan; }, "geometry.limb_azimuth_deg", "limb 2"},
-    {"FiveLimbs", [](auto& r) { r.geometry.limb_azimuth.push_back(1.0); }, "geometry.limb_azimuth_deg",
-     "expected 4 limbs"},
-    {"FourLimbsOnARigidPlate", [](auto& r) { r.slide.reset(); }, "geometry.limb_azimuth_deg", "expected 3 limbs"},
+    {"NanAzimuth", [](auto& r) { test::redimension(r, [](auto& d) { d.limb_azimuth[1] = kNan; }); },
+     "geometry.limb_azimuth_deg", "limb 2"},
+    {"ThreeLimbsAndASlide", [](auto& r) { r.limbs.pop_back(); }, "limb", "expected 4 to 8 limbs"},
     {"NoSlideDirection", [](auto& r) { r.slide->axis.setZero(); }, "plate.slide_axis", "direction"},
     {"SlideSignOfTwo", [](auto& r) { r.slide->sign[0] = 2; }, "plate.slide_sign", "+1 or -1, got 2"},
     {"ThreeSlideSigns", [](auto& r) { r.slide->sign.pop_back(); }, "plate.slide_sign", "(4), got 3"},
@@ -58,11 +63,10 @@ const Nonsense kNonsense[] = {
      },
      "plate.slide_sign", "both signs"},
     {"NegativePinion", [](auto& r) { r.slide->pinion_radius = -12; }, "plate.pinion_radius_mm", "above 0 mm"},
-    {"WorkspaceAboveTheBase", [](auto& r) { r.workspace.top_z = 763; }, "workspace.top_z_mm", "< 0 mm"},
     {"FlatWorkspace", [](auto& r) { r.workspace.height = 0; }, "workspace.height_mm", "above 0 mm"},
     {"RotationTheWrongWayRound", [](auto& r) { r.workspace.min_rotation = 4; }, "workspace.rotation_deg",
      "[smallest, largest]"},
-    {"WorkspaceTooDeep", [](auto& r) { r.workspace.top_z = -1200; }, "workspace: limb", "geometry.rod_mm is 950"},
+    {"WorkspaceTooDeep", [](auto& r) { r.workspace.top_z = -1200; }, "workspace: limb", "its rod_mm is 950"},
     {"WorkspaceTooWide", [](auto& r) { r.workspace.radius = 900; }, "workspace: limb", "cannot reach"},
     {"NegativeTolerance", [](auto& r) { (*r.tolerances)["alpha2"] = -1; }, "tolerances.alpha2", "at least 0"},
 };
@@ -78,9 +82,9 @@ TEST(Robot, RigidPlateDoesNotTurn) {
 
 TEST(Robot, RailsThatAreTooFarAwayAreNamed) {
   RobotDescription description = catalogue::linear_delta().description();
-  description.geometry.arm = 0.0;  // the elbows run on the rails themselves
+  test::redimension(description, [](auto& shared) { shared.arm = 0.0; });  // the elbows run on the rails themselves
   EXPECT_NO_THROW(Robot{description});
-  description.geometry.base_radius = 230.0;
+  test::redimension(description, [](auto& shared) { shared.base_radius = 230.0; });
   EXPECT_THAT([&] { Robot{description}; },
               testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("its rail needs a rod of at least 3")));
 }
@@ -90,23 +94,48 @@ TEST(Robot, DrivesGoForward) {
   for (const char* name : {"linear_delta", "hexapod", "6-pss"}) {
     const Robot robot = test::robot_named(name);
     RobotDescription description = robot.description();
-    description.intended(1, "gain") = -999.0;
+    description.limbs[1].gain = -999.0;
     EXPECT_NO_THROW(build(description, SourceErrors{})) << name;
     SourceErrors errors;
     errors(1, "gain") = -999.0;
     EXPECT_EQ(implausible(robot, errors), std::nullopt) << name;
     errors(1, "gain") = -1000.0;
     EXPECT_THAT(*implausible(robot, errors), testing::HasSubstr("gain of limb 2 within 1000 mm/m")) << name;
-    description.intended(1, "gain") = -1000.0;
+    description.limbs[1].gain = -1000.0;
     EXPECT_THAT([&] { Robot{description}; }, testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr(
                                                  "drive of limb 2 to move in the direction of its joint")))
         << name;
   }
 }
 
+class NominalErrors : public test::EveryRobot {};
+
+/// Errors of the position group move a limb alike whether they are of the machine or of the design.
+TEST_P(NominalErrors, AreErrorsOfTheMachine) {
+  test::Random random;
+  const SourceErrors nominal = without_tilt_group(random.errors(robot, 2.0, 0.02)),
+                     more = random.errors(robot, 1.0, 0.01);
+  RobotDescription design = robot.description();
+  design.limbs = with_errors(design.limbs, nominal);
+  const Machine one = build(design, more), other = build(robot, nominal + more);
+  for (std::size_t i = 0; i < robot.limb_count(); ++i) {
+    const Limb &a = one.limbs[i], &b = other.limbs[i];
+    EXPECT_LT((a.base - b.base).norm() + (a.plate - b.plate).norm(), 1e-12);
+    EXPECT_LT(std::abs(a.rod[0] - b.rod[0]) + std::abs(a.rod[1] - b.rod[1]) + std::abs(a.arm - b.arm), 1e-12);
+    EXPECT_LT(std::abs(a.joint_offset - b.joint_offset) + std::abs(a.gain - b.gain), 1e-12);
+    EXPECT_LT((a.plate_frame - b.plate_frame).norm(), 1e-14);
+    if (a.is_strut()) continue;  // its frame is a name for directions: nothing of its closure
+    EXPECT_LT((a.frame - b.frame).norm(), 1e-14);
+  }
+}
+
+PARACAL_ON_EVERY_ROBOT(NominalErrors);
+PARACAL_ON_UNUSUAL_ROBOTS(NominalErrors);
+PARACAL_ON_ROBOT_TEMPLATES(NominalErrors);
+
 TEST(Robot, HuangsDimensionsAreTable1) {
   const Robot robot = catalogue::huang2016();
-  const Geometry& g = robot.geometry();
+  const SharedDimensions g = *shared_dimensions(robot.limbs());
   EXPECT_EQ(g.base_radius, 200.0);
   EXPECT_EQ(g.plate_radius, 75.0);
   EXPECT_EQ(g.arm, 375.0);

@@ -131,31 +131,29 @@ RobotDescription varied(const std::string& like, test::Random& random) {
   RobotDescription robot = test::robot_named(like == "five-struts" ? "hexapod" : like).description();
   robot.tolerances.reset();
   const auto factor = [&](double log) { return std::exp(random.uniform(-log, log)); };
-  Geometry& geometry = robot.geometry;
-  if (on_single_rods(geometry.actuator)) {
+  if (on_single_rods(actuator_of(robot.limbs))) {
     const double base = factor(0.5), plate = factor(0.7), rod = factor(0.3), arm = factor(0.3);
-    std::vector<LimbDescription> limbs = geometry.limbs;
-    PlateFreedoms freedoms = geometry.freedoms;
+    const double off = 0.1 * sizes_of(robot.limbs).base_radius;
     if (like == "five-struts") {
-      limbs.pop_back();
-      freedoms.free[5] = false;
+      robot.limbs.pop_back();
+      robot.freedoms.free[5] = false;
     }
-    for (LimbDescription& limb : limbs) {
+    for (LimbDescription& limb : robot.limbs) {
       limb.base.head<2>() *= base;
       limb.plate.head<2>() *= plate;
       limb.length *= rod;
       limb.arm *= arm;
-      const double off = 0.1 * geometry.base_radius;
-      const bool flat = freedoms.holds_z();
+      const bool flat = robot.freedoms.holds_z();
       limb.base += off * Eigen::Vector3d(random.normal(0.3), random.normal(0.3), flat ? 0.0 : random.normal(0.3));
     }
-    robot.geometry = geometry_of_limbs(geometry.actuator, limbs, freedoms);
   } else {
-    geometry.base_radius *= factor(0.6);
-    geometry.plate_radius *= factor(0.6);
-    geometry.rod *= factor(0.5);
-    geometry.arm *= factor(0.5);
-    for (double& azimuth : geometry.limb_azimuth) azimuth += random.normal(0.3);
+    test::redimension(robot, [&](SharedDimensions& shared) {
+      shared.base_radius *= factor(0.6);
+      shared.plate_radius *= factor(0.6);
+      shared.rod *= factor(0.5);
+      shared.arm *= factor(0.5);
+      for (double& azimuth : shared.limb_azimuth) azimuth += random.normal(0.3);
+    });
     if (robot.slide) {
       const double angle = random.uniform(0.0, std::numbers::pi);
       robot.slide->axis = {std::cos(angle), std::sin(angle), 0.0};
@@ -166,7 +164,7 @@ RobotDescription varied(const std::string& like, test::Random& random) {
   workspace.top_z *= factor(0.7);
   workspace.height *= factor(0.7);
   workspace.max_tilt = std::min(workspace.max_tilt * random.uniform(0.0, 6.0), to_radians(75.0));
-  for (std::size_t k = 0; k < 3; ++k) workspace.tilts_about[k] = geometry.freedoms.free[3 + k];
+  for (std::size_t k = 0; k < 3; ++k) workspace.tilts_about[k] = robot.freedoms.free[3 + k];
   return robot;
 }
 

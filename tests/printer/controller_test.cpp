@@ -100,7 +100,7 @@ TEST(PrinterController, DoesNotChangeWhatIsFound) {
     const PrinterMachine printer = printer_machine(firmware, made.saved, made.radius);
     const Measurements measurements = printer_measurements(printer, made.saved, made.readings);
     Calibration calibration = calibrate(printer.robot, measurements, printer_options(printer, made.readings, false));
-    const SourceErrors all = calibration.errors() + printer.robot.intended();
+    const SourceErrors all = calibration.errors() - printer.design;
     return Found{std::move(calibration), all};
   };
   const Found one = found(made.saved), two = found(other);
@@ -219,11 +219,11 @@ TEST(PrinterController, CorrectsProgramsForAnUnchangedFirmware) {
 
 /// Firmware knows no gain of a belt, and none is sought: every result says so.
 TEST(PrinterTolerances, OfCarriagesTakeTheirDrivesForExact) {
-  const Tolerances carriages = printer_tolerances(catalogue::linear_delta().geometry());
+  const Tolerances carriages = printer_tolerances(catalogue::linear_delta().limbs());
   EXPECT_EQ(carriages["gain"], 0.0);
   EXPECT_THAT(carriages.assumed,
               testing::Contains(testing::EndsWith("set to zero because the table does not list them: gain")));
-  EXPECT_EQ(printer_tolerances(catalogue::rotary_delta().geometry()).assumed.size(), 1u);
+  EXPECT_EQ(printer_tolerances(catalogue::rotary_delta().limbs()).assumed.size(), 1u);
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ RotaryPrinter rotary_printer(unsigned seed) {
   }
   RotaryPrinter printer{
       .saved = saved, .actual = actual, .machine = printer_machine(actual), .errors = {}, .readings = {}, .config = {}};
-  const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
+  const Tolerances tolerances = printer_tolerances(printer.machine.robot.limbs());
   for (std::size_t i = 0; i < 3; ++i) {
     for (const Source source : sources_of(printer.machine.robot.actuator())) {
       if (source != "theta_offset") printer.errors(i, source) += random.normal(tolerances[source] / 3.0);

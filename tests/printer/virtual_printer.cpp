@@ -153,7 +153,7 @@ VirtualPrinter virtual_printer(const PrinterWorld& world, unsigned seed) {
                          .bed = {.edge = world.bow, .radius = radius},
                          .readings = {}};
   printer.radius = radius;
-  const Tolerances tolerances = printer_tolerances(printer.machine.robot.geometry());
+  const Tolerances tolerances = printer_tolerances(printer.machine.robot.limbs());
   for (std::size_t i = 0; i < 3; ++i) {
     for (const Source source : sources_of(printer.machine.robot.actuator())) {
       if (source == "theta_offset" || source == "rod_mean") continue;

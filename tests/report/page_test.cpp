@@ -65,7 +65,7 @@ TEST_P(ReportFigures, TheSceneClosesItsLimbs) {
       const Json& limb = pose["limbs"][i];
       if (limb.contains("elbow_mm")) {
         const Eigen::Vector3d arm = vector_of(limb["elbow_mm"]) - vector_of(limb.at("base_mm"));
-        EXPECT_NEAR(arm.norm(), robot.geometry().arm, 0.01);
+        EXPECT_NEAR(arm.norm(), sizes_of(robot.limbs()).arm, 0.01);
       }
       const double length = elbow_of(robot.nominal().limbs[i], joints(static_cast<Eigen::Index>(i))).rod[0];
       for (const Json& rod : limb.at("rods_mm")) {

@@ -80,7 +80,7 @@ TEST_P(GuidedLaw, ThePlateIsFoundFromNothing) {
     ASSERT_LT((found.plate.position - pose.position).norm(), 1e-9);
     ASSERT_LT((found.plate.tilt - pose.tilt).norm(), 1e-11);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const bool free = robot.geometry().freedoms.free[static_cast<std::size_t>(axis) + 3];
+      const bool free = robot.freedoms().free[static_cast<std::size_t>(axis) + 3];
       ASSERT_TRUE(free || found.plate.tilt(axis) == 0.0);
     }
   }
@@ -163,7 +163,7 @@ TEST_P(GuidedLaw, CorrectedPosesAreReachedAndHaveAnUncertainty) {
     ASSERT_TRUE(corrected.uncertainty);
     const auto& U = corrected.uncertainty->position;
     EXPECT_GT(U.head<2>().minCoeff(), 1e-3);
-    EXPECT_TRUE(!robot.geometry().freedoms.holds_z() || U.z() < 1e-9);
+    EXPECT_TRUE(!robot.freedoms().holds_z() || U.z() < 1e-9);
   }
 }
 
@@ -354,11 +354,12 @@ TEST(GuidedRobots, ThreeCarriagesAreALinearDeltaByItsCentreLines) {
     one.plate = limb.plate;
     one.length = limb.rod[0];
     one.axis = limb.frame.col(1);
+    one.kind = Actuator::carriage;
   }
-  const PlateFreedoms level{.free = {true, true, true, false, false, false}};
   RobotDescription described;
   described.name = "three carriages";
-  described.geometry = geometry_of_limbs(Actuator::carriage, limbs, level);
+  described.limbs = limbs;
+  described.freedoms = kLevelPlate;
   described.workspace = delta.workspace();
   const Robot robot(described);
   test::Random random;

@@ -62,9 +62,9 @@ Published published() {
   }
   RobotDescription robot;
   robot.name = "nategh2009";
-  robot.geometry = geometry_of_limbs(Actuator::strut, nominal);
+  robot.limbs = nominal;
   robot.workspace = {.radius = 150.0, .height = 150.0, .top_z = 640.0, .max_tilt = 0.3};
-  Tolerances tolerances = generous_tolerances(robot.geometry);
+  Tolerances tolerances = generous_tolerances(robot.limbs);
   for (const Source source : sources_of(Actuator::strut)) tolerances.state(source, 15.0);
   robot.tolerances = tolerances;
   return {Robot(robot), errors};
@@ -300,7 +300,7 @@ TEST_F(Measured, SwappedStrutsAreNamed) {
 /// One strut 100 mm longer than the file says, five times what is assumed of such files.
 TEST_F(Measured, AWrongLengthIsSaid) {
   RobotDescription wrong = robot.description();
-  wrong.geometry.limbs[3].length += 100.0;
+  wrong.limbs[3].length += 100.0;
   const Calibration found = calibrate(Robot(wrong), half(0));
   std::vector<std::string> said = found.notes;
   said.insert(said.end(), found.reasons.begin(), found.reasons.end());

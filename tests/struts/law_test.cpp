@@ -73,7 +73,7 @@ struct ByHand {
 ByHand by_hand(const Robot& robot, const SourceErrors& errors, std::size_t limb, double q) {
   const auto error = [&](std::string_view name) { return errors(limb, *source_named(name, robot.actuator())); };
   const auto about = [](double angle, const Eigen::Vector3d& axis) { return Eigen::AngleAxisd(angle, axis); };
-  const LimbDescription& file = robot.geometry().limbs[limb];
+  const LimbDescription& file = robot.limbs()[limb];
   const Eigen::Vector3d axis = file.axis.normalized();
   const auto square = [&](const Eigen::Vector3d& v) { return Eigen::Vector3d((v - v.dot(axis) * axis).normalized()); };
   if (robot.actuator() == Actuator::crank) {
@@ -109,7 +109,7 @@ void expect_errors_as_called(const Robot& robot) {
     const Eigen::Matrix3d rotation = turned(pose.tilt);
     for (std::size_t i = 0; i < robot.limb_count(); ++i) {
       const auto error = [&](std::string_view name) { return errors(i, *source_named(name, robot.actuator())); };
-      const LimbDescription& limb = robot.geometry().limbs[i];
+      const LimbDescription& limb = robot.limbs()[i];
       const Eigen::Vector3d a = limb.plate + Eigen::Vector3d(error("plate_x"), error("plate_y"), error("plate_z"));
       const double q = found.joints(static_cast<Eigen::Index>(i));
       const ByHand ours = by_hand(robot, errors, i, q);
@@ -142,10 +142,11 @@ Robot on_rails(double lean) {
     limb.base = at(320.0, pair + side * 40.0);
     limb.plate = at(130.0, pair + side * 10.0);
     limb.length = 450.0;
+    limb.kind = Actuator::carriage;
     limb.axis = std::cos(lean) * Eigen::Vector3d::UnitZ() + std::sin(lean) * limb.base.normalized();
   }
   RobotDescription robot{.name = "rails",
-                         .geometry = geometry_of_limbs(Actuator::carriage, std::move(limbs)),
+                         .limbs = std::move(limbs),
                          .slide = {},
                          .workspace = {.radius = 40.0, .height = 60.0, .top_z = -330.0},
                          .tolerances = {}};
@@ -171,8 +172,8 @@ TEST_P(TemplateLaw, AWrongLengthOfALimbIsTold) {
   if (swings) lengths.emplace_back(&LimbDescription::arm, "arm_mm of limb 4");
   for (const auto& [length, named] : lengths) {
     RobotDescription wrong = robot.description();
-    const double right = wrong.geometry.limbs[3].*length;
-    wrong.geometry.limbs[3].*length += 15.0;
+    const double right = wrong.limbs[3].*length;
+    wrong.limbs[3].*length += 15.0;
     const detail::Input given{Robot(std::move(wrong)), read, {}};
     const auto fit = detail::fit_robustly(given);
     ASSERT_TRUE(fit);

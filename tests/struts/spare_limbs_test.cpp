@@ -57,7 +57,7 @@ TEST_P(SampleRobot, ForwardOfInverseIsThePose) {
     ASSERT_TRUE(found.ok());
     ASSERT_LT((found.plate.position - pose.position).norm(), 1e-9);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (!robot.geometry().freedoms.free[static_cast<std::size_t>(axis) + 3]) continue;
+      if (!robot.freedoms().free[static_cast<std::size_t>(axis) + 3]) continue;
       ASSERT_NEAR(found.plate.tilt(axis), pose.tilt(axis), 1e-11);
     }
   }
@@ -247,11 +247,9 @@ TEST_P(SpareLimbs, JointsAreReadings) {
 TEST(FiveLimbs, WithTwoRodsHaveNoExport) {
   RobotDescription mixed = test::robot_named("mixed_limbs").description();
   EXPECT_TRUE(has_compensator(Robot(mixed)));
-  Geometry& geometry = mixed.geometry;
-  LimbDescription more = geometry.limbs.back();
+  LimbDescription more = mixed.limbs.back();
   more.base.x() = more.plate.x() = -60.0;
-  geometry.limbs.push_back(more);
-  geometry.limb_azimuth.push_back(0.0);
+  mixed.limbs.push_back(more);
   const Robot robot(mixed);
   EXPECT_FALSE(has_compensator(robot));
   EXPECT_THROW((void)compensator_parameters(robot, {}), InvalidArgument);

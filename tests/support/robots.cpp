@@ -18,15 +18,17 @@ RobotDescription unlike_limbs() {
   RobotDescription robot = catalogue::rotary_delta().description();
   robot.name = "unlike_limbs";
   robot.workspace = {.radius = 400.0, .height = 250.0, .top_z = -800.0};
-  for (std::size_t limb = 0; limb < 3; ++limb) {
-    const double k = static_cast<double>(limb) - 1.0;
-    robot.intended(limb, "arm_length") = 20.0 * k;
-    robot.intended(limb, "rod_mean") = -35.0 * k + 5.0;
-    robot.intended(limb, "e_x") = 4.0 * k;
-    robot.intended(limb, "e_z") = 30.0 * k;
-    robot.intended(limb, "theta_offset") = to_radians(10.0 * k);
-    robot.intended(limb, "alpha0") = to_radians(6.0 * k);
-  }
+  redimension(robot, [](SharedDimensions& shared) {
+    for (std::size_t limb = 0; limb < 3; ++limb) {
+      const double k = static_cast<double>(limb) - 1.0;
+      shared.differences(limb, "arm_length") = 20.0 * k;
+      shared.differences(limb, "rod_mean") = -35.0 * k + 5.0;
+      shared.differences(limb, "e_x") = 4.0 * k;
+      shared.differences(limb, "e_z") = 30.0 * k;
+      shared.differences(limb, "theta_offset") = to_radians(10.0 * k);
+      shared.differences(limb, "alpha0") = to_radians(6.0 * k);
+    }
+  });
   robot.controller_origin = {3.0, -2.0, -1100.0};
   robot.joint_limits = {to_radians(200.0), to_radians(4000.0)};
   return robot;
@@ -35,12 +37,14 @@ RobotDescription unlike_limbs() {
 RobotDescription inclined_rails() {
   RobotDescription robot = catalogue::linear_delta().description();
   robot.name = "inclined_rails";
-  robot.geometry.base_radius = 280.0;
-  robot.geometry.rod = 380.0;
+  redimension(robot, [](SharedDimensions& shared) {
+    shared.base_radius = 280.0;
+    shared.rod = 380.0;
+    for (std::size_t limb = 0; limb < 3; ++limb) {
+      shared.differences(limb, "beta0") = -to_radians(20.0 + 5.0 * static_cast<double>(limb));
+    }
+  });
   robot.workspace = {.radius = 100.0, .height = 150.0, .top_z = -300.0};
-  for (std::size_t limb = 0; limb < 3; ++limb) {
-    robot.intended(limb, "beta0") = -to_radians(20.0 + 5.0 * static_cast<double>(limb));
-  }
   return robot;
 }
 
@@ -87,7 +91,7 @@ const std::vector<std::string_view>& template_names() {
 
 const std::vector<std::string_view>& hexapod_names() {
   static const std::vector<std::string> kinds =
-      templates_where([](const Robot& r) { return !r.is_level() && r.geometry().freedoms.are_all(); });
+      templates_where([](const Robot& r) { return !r.is_level() && r.freedoms().are_all(); });
   static const std::vector<std::string_view> names(kinds.begin(), kinds.end());
   return names;
 }

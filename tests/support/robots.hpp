@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -46,7 +47,14 @@ inline std::string robot_name(const ::testing::TestParamInfo<std::string_view>& 
 
 /// By how much more joint coordinates of a robot count than radians: mm of a carriage turn a rod by 1 / its length.
 inline double joint_scale(const Robot& robot) {
-  return joint_unit(robot.actuator()) == Unit::mm ? robot.geometry().rod : 1.0;
+  return joint_unit(robot.actuator()) == Unit::mm ? sizes_of(robot.limbs()).rod : 1.0;
+}
+
+/// Changes the short form of a robot whose limbs have one.
+inline void redimension(RobotDescription& robot, const std::function<void(SharedDimensions&)>& change) {
+  SharedDimensions shared = *shared_dimensions(robot.limbs);
+  change(shared);
+  robot.limbs = limbs_of(shared);
 }
 
 /// Instantiates a suite derived from EveryRobot.

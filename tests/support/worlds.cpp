@@ -169,7 +169,7 @@ PointReading read_point(const Robot& robot, const Pose& pose, double scale, Nois
   const auto three = [&] { return Eigen::Vector3d(noise(), noise(), noise()); };
   PointReading reading;
   Eigen::Vector3d place = pose.position;
-  if (!robot.is_level() && robot.geometry().freedoms.are_all()) {
+  if (!robot.is_level() && robot.freedoms().are_all()) {
     const Eigen::Matrix3d plate = plate_rotation(pose.tilt).matrix;
     const Eigen::Vector3d off = three() / kTurnLever;
     const Quaternion turned = Quaternion(1.0, 0.5 * off.x(), 0.5 * off.y(), 0.5 * off.z()).normalized();

@@ -21,7 +21,7 @@ namespace {
 using testing::AllOf, testing::HasSubstr, testing::IsEmpty, testing::StartsWith, testing::ThrowsMessage;
 
 DrawnFeature feature(Source source, const Robot& robot = catalogue::huang2016()) {
-  return drawn_feature(source, robot.geometry(), robot.intended());
+  return drawn_feature(source, robot.limbs());
 }
 
 double half_width(const std::string& statement, Source source, const Robot& robot = catalogue::huang2016()) {
@@ -35,8 +35,10 @@ std::string text_of(double half_width, Source source, const Robot& robot = catal
 /// A Delta of which one limb has a longer rod on purpose.
 Robot unlike() {
   RobotDescription description = catalogue::rotary_delta().description();
-  description.geometry.rod = 998.0;
-  description.intended(1, "rod_mean") = 5.0;  // 1003 mm: of the next range of sizes
+  test::redimension(description, [&](SharedDimensions& shared) { shared.rod = 998.0; });
+  test::redimension(description, [&](SharedDimensions& shared) {
+    shared.differences(1, "rod_mean") = 5.0;
+  });  // 1003 mm: of the next range of sizes
   return Robot(description);
 }
 
@@ -159,8 +161,8 @@ TEST(DrawingStatement, UnlikeLimbsHaveGradesOfTheirOwnSizes) {
 
 TEST(DrawingStatement, SizesAreThatOfEachLimbAsItIsMeantToBe) {
   RobotDescription description = catalogue::rotary_delta().description();
-  description.intended(1, "rod_mean") = -5.0;
-  description.intended(2, "arm_length") = 2.0;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.differences(1, "rod_mean") = -5.0; });
+  test::redimension(description, [&](SharedDimensions& shared) { shared.differences(2, "arm_length") = 2.0; });
   const Robot robot(description);
   EXPECT_THAT(feature("arm_length", robot).sizes, testing::ElementsAre(400.0, 402.0));
   EXPECT_THAT(feature("rod_mean", robot).sizes, testing::ElementsAre(945.0, 950.0));
@@ -205,7 +207,7 @@ TEST(DrawingStatement, LimbsWithOneRodHaveFeatures) {
   EXPECT_DOUBLE_EQ(half_width("position 0.1", "plate_x", rail), 0.05);
   expect_refused("IT8", "zero", {"zero"}, arm);
   EXPECT_DOUBLE_EQ(half_width("IT9", "zero", strut),
-                   *standard_tolerance(StandardGrade::IT9, strut.geometry().limbs[0].length) / 2);
+                   *standard_tolerance(StandardGrade::IT9, strut.limbs()[0].length) / 2);
 }
 
 TEST(DrawingStatement, RailsAreSquareToTheirBase) {
@@ -233,7 +235,7 @@ TEST(DrawingStatement, AHalfWidthInWords) {
 /// The bars are as long as the parallelogram is wide; how long other features are the robot does not say.
 TEST(DrawingStatement, TheLengthIsTheParallelogramsWidthWhereItIsABars) {
   RobotDescription description = catalogue::huang2016().description();
-  description.geometry.parallelogram_width = 60.0;
+  test::redimension(description, [&](SharedDimensions& shared) { shared.parallelogram_width = 60.0; });
   const Robot robot(description);
   EXPECT_EQ(text_of(1e-3, "beta2", robot), "bar at the elbow: perpendicularity 0.0599/60 to the arm");
   EXPECT_EQ(text_of(1e-3, "beta03", robot),

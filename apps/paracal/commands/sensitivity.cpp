@@ -66,7 +66,7 @@ std::string text_of(const Robot& robot, const SensitivityFindings& found) {
   std::string text = fmt::format("sensitivity of {} over the workspace ({} poses): mean, largest{}\n", name(found.what),
                                  found.global.poses, found.local ? ", at the pose" : "");
   const auto out = std::back_inserter(text);
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     const Eigen::Index k = place(source);
     if (found.global.largest(k) == 0.0) continue;
     const auto [factor, unit, over_width] = scale_of(robot, found.what.quantity, source);

@@ -75,7 +75,7 @@ NoiseModel first_guess(const VirtualInstrument& instrument) {
 
 /// Whether machines of such a robot can be off by that.
 bool is_shown(ErrorKind kind, const Robot& robot) {
-  const auto& free = robot.geometry().freedoms.free;
+  const auto& free = robot.freedoms().free;
   if (kind == ErrorKind::tilt) return !robot.nominal().has_guides || free[3] || free[4];
   return kind != ErrorKind::rotation || turns(robot);
 }

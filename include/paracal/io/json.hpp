@@ -55,7 +55,7 @@ Json to_json(const PoseErrorSummary& summary);
 /// Result of validate(); keys in docs/json-keys.md.
 Json to_json(const Validation& validation);
 
-Json to_json(const Tolerances& tolerances, const Geometry& geometry);
+Json to_json(const Tolerances& tolerances, const Limbs& limbs);
 /// Half-widths as statements of a drawing, under the keys of files: {statement, grade, text}, see DrawingStatement;
 /// null: none. Without sources that are exact.
 Json drawing_json(const Tolerances& tolerances, const Robot& robot);
@@ -63,7 +63,7 @@ Json drawing_json(const Tolerances& tolerances, const Robot& robot);
 Json to_json(const TrackerModel& tracker);
 
 /// The options of a calibration of a robot with these actuators.
-Json to_json(const CalibrationOptions& options, const Geometry& geometry);
+Json to_json(const CalibrationOptions& options, const Limbs& limbs);
 
 /// Everything that determines the machines of a batch, so that results of another batch or program version can be
 /// distinguished. Numbers as inside the library (mm, rad), to the last bit.

@@ -39,7 +39,7 @@ std::string source_errors_toml(const SourceErrors& errors, const JointSpace& joi
 Tolerances read_tolerances(const TextFile& file, const Robot& robot);
 
 /// The tolerances as a file that read_tolerances() accepts.
-std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geometry);
+std::string tolerances_toml(const Tolerances& tolerances, const Limbs& limbs);
 /// The same with the drawing statements as comments.
 std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot);
 

@@ -64,8 +64,8 @@ struct BasicMachine {
 };
 using Machine = BasicMachine<double>;
 
-/// The machine that a robot becomes with these source errors, which add to what its limbs are intended to differ by.
-/// The reduced errors enter Eq. (1) as
+/// The machine that a robot becomes with these source errors. The reduced errors enter Eq. (1) as, with what its limbs
+/// differ in by design (LimbDescription::zero, gain, alpha0, beta0) added to them,
 ///
 ///   db = e, da = 0;  l_1,2 = l + rod_mean +- rod_difference / 2;  c_c = c + width_difference, c_a = c;
 ///   alpha3 = alpha0 - alpha03, beta3 = beta0 - beta03;

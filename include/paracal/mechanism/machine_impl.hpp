@@ -47,96 +47,72 @@ inline Eigen::Matrix3d nominal_frame(double azimuth) {
 
 /// A limb without errors, from which build() starts.
 struct NominalLimb {
-  Actuator kind;
-  Eigen::Vector3d base, plate;
+  const LimbDescription& of;
   Eigen::Matrix3d frame;
-  double arm, rod, width, slide_sign, ahead;
 };
-
-inline NominalLimb nominal_limb(const RobotDescription& robot, std::size_t i) {
-  const Geometry& shared = robot.geometry;
-  const double slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
-  if (shared.limbs.empty()) {
-    const Eigen::Matrix3d frame = nominal_frame(shared.limb_azimuth[i]);
-    return {shared.actuator,
-            shared.base_radius * frame.col(0),
-            shared.plate_radius * frame.col(0),
-            frame,
-            shared.arm,
-            shared.rod,
-            shared.parallelogram_width,
-            slide_sign,
-            1.0};
-  }
-  const LimbDescription& own = shared.limbs[i];
-  return {own.kind,
-          own.base,
-          own.plate,
-          frame_of(own),
-          own.arm,
-          own.length,
-          on_single_rods(own.kind) ? shared.parallelogram_width : own.width,
-          slide_sign,
-          own.behind ? -1.0 : 1.0};
-}
 
 template <typename Scalar, typename ErrorOf>
 Vector3<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
-  if (!on_single_rods(limb.kind)) return {error("e_x"), error("e_y"), error("e_z")};
-  if (limb.kind != Actuator::carriage) return {error("base_x"), error("base_y"), error("base_z")};
+  if (!on_single_rods(limb.of.kind)) return {error("e_x"), error("e_y"), error("e_z")};
+  if (limb.of.kind != Actuator::carriage) return {error("base_x"), error("base_y"), error("base_z")};
   return limb.frame.col(0).cast<Scalar>() * error("normal") + limb.frame.col(2).cast<Scalar>() * error("across");
 }
 
 /// Whether the bars of a parallelogram are no longer parallel to the axis about which its plate can be commanded: they
 /// then turn as the plate does, and its rods cannot keep their lengths.
 template <typename Scalar, typename ErrorOf>
-bool turns_bars(Actuator kind, const ErrorOf& error) {
-  return error("alpha0") != Scalar(0) || (swings_arm(kind) && error("beta0") != Scalar(0));
+bool turns_bars(const LimbDescription& limb, const ErrorOf& error) {
+  return limb.alpha0 + error("alpha0") != Scalar(0) ||
+         (swings_arm(limb.kind) && limb.beta0 + error("beta0") != Scalar(0));
 }
 
 /// Where the drive takes the upper end of the rods.
 template <typename Scalar, typename ErrorOf>
 void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
   const Matrix3<Scalar> frame = nominal.frame.cast<Scalar>();
-  limb.actuator = nominal.kind;
+  const LimbDescription& of = nominal.of;
+  limb.actuator = nominal.of.kind;
   limb.radial = nominal.frame.col(0);
   limb.sideways = nominal.frame.col(2);
-  limb.ahead = nominal.ahead;
-  limb.base = nominal.base.cast<Scalar>() + shift_of_base<Scalar>(nominal, error);
-  limb.joint_offset = error(joint_zero(nominal.kind));
-  limb.arm = Scalar(nominal.arm);
+  limb.ahead = of.behind ? -1.0 : 1.0;
+  limb.base = of.base.cast<Scalar>() + shift_of_base<Scalar>(nominal, error);
+  limb.joint_offset = of.zero + error(joint_zero(nominal.of.kind));
+  limb.arm = Scalar(of.arm);
   limb.frame = frame;
-  if (swings_arm(nominal.kind)) {
+  const auto alpha = [&] { return Scalar(of.alpha0 + error("alpha0")); };
+  const auto beta = [&] { return Scalar(of.beta0 + error("beta0")); };
+  if (swings_arm(nominal.of.kind)) {
     limb.arm += error("arm_length");
-    limb.frame = frame * (rotation_x(Scalar(error("alpha0"))) * rotation_y(Scalar(error("beta0"))));
+    limb.frame = frame * (rotation_x(alpha()) * rotation_y(beta()));
     return;
   }
-  limb.gain = Scalar(1) + error("gain") / Scalar(kGainLength);
-  if (runs_on_rail(nominal.kind)) {
-    limb.frame = frame * (rotation_x(Scalar(error("alpha0"))) * rotation_z(Scalar(error("beta0"))));
-  }
+  limb.gain = Scalar(1) + (of.gain + error("gain")) / Scalar(kGainLength);
+  if (runs_on_rail(nominal.of.kind)) limb.frame = frame * (rotation_x(alpha()) * rotation_z(beta()));
 }
 
 template <typename Scalar, typename ErrorOf>
-void hang_one_rod(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
-  const Scalar length = nominal.rod + (nominal.kind == Actuator::strut ? Scalar(0) : Scalar(error("rod_length")));
+void hang_one_rod(const NominalLimb& nominal, double width, const ErrorOf& error, BasicLimb<Scalar>& limb) {
+  const Scalar length =
+      nominal.of.length + (nominal.of.kind == Actuator::strut ? Scalar(0) : Scalar(error("rod_length")));
   limb.rod = {length, length};
-  limb.plate = nominal.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
+  limb.plate = nominal.of.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
   limb.elbow_frame = limb.plate_frame = Matrix3<Scalar>::Identity();
-  limb.elbow_width = limb.plate_width = Scalar(nominal.width);
+  limb.elbow_width = limb.plate_width = Scalar(width);
 }
 
 template <typename Scalar, typename ErrorOf>
 void hang_parallelogram(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
-  const Scalar leaning = runs_on_rail(nominal.kind) ? Scalar(0) : Scalar(error("beta0"));
-  const Scalar half_difference = Scalar(0.5) * error("rod_difference"), mean = nominal.rod + error("rod_mean");
+  const LimbDescription& of = nominal.of;
+  const Scalar leaning = runs_on_rail(nominal.of.kind) ? Scalar(0) : Scalar(of.beta0 + error("beta0"));
+  const Scalar half_difference = Scalar(0.5) * error("rod_difference"), mean = of.length + error("rod_mean");
   limb.rod = {mean + half_difference, mean - half_difference};
-  limb.plate = nominal.plate.cast<Scalar>();
+  limb.plate = of.plate.cast<Scalar>();
   limb.elbow_frame = rotation_x(Scalar(error("alpha2"))) * rotation_y(Scalar(error("beta2")));
-  limb.elbow_width = nominal.width + error("width_difference");
-  limb.plate_frame = nominal.frame.cast<Scalar>() * (rotation_x(Scalar(error("alpha0") - error("alpha03"))) *
-                                                     rotation_y(Scalar(leaning - error("beta03"))));
-  limb.plate_width = Scalar(nominal.width);
+  limb.elbow_width = of.width + error("width_difference");
+  limb.plate_frame =
+      nominal.frame.cast<Scalar>() * (rotation_x(Scalar(of.alpha0 + error("alpha0") - error("alpha03"))) *
+                                      rotation_y(Scalar(leaning - error("beta03"))));
+  limb.plate_width = Scalar(of.width);
 }
 
 inline WorkingRange working_range(const Workspace& workspace) {
@@ -149,36 +125,36 @@ inline WorkingRange working_range(const Workspace& workspace) {
 
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors) {
-  const Geometry& nominal = robot.geometry;
   BasicMachine<Scalar> machine;
-  machine.limb_count = nominal.limb_azimuth.size();
+  machine.limb_count = robot.limbs.size();
   machine.range = detail::working_range(robot.workspace);
   machine.hang = robot.hang;
-  machine.freedoms = nominal.freedoms;
+  machine.freedoms = robot.freedoms;
   machine.guided_z = robot.workspace.top_z;
   if (robot.slide) {
     machine.slide_axis = robot.slide->axis;
     machine.pinion_radius = robot.slide->pinion_radius;
   }
+  const double width = sizes_of(robot.limbs).parallelogram_width;
   std::size_t parallelograms = 0;
   bool turns_bars = false;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const detail::NominalLimb limb = detail::nominal_limb(robot, i);
-    const auto error = [&](Source source) -> Scalar { return errors(i, source) + robot.intended(i, source); };
+    const detail::NominalLimb limb{robot.limbs[i], frame_of(robot.limbs[i])};
+    const auto error = [&](Source source) -> Scalar { return errors(i, source); };
     detail::place_drive<Scalar>(limb, error, machine.limbs[i]);
-    machine.limbs[i].slide_sign = limb.slide_sign;
-    if (on_single_rods(limb.kind)) {
-      detail::hang_one_rod<Scalar>(limb, error, machine.limbs[i]);
+    machine.limbs[i].slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
+    if (on_single_rods(limb.of.kind)) {
+      detail::hang_one_rod<Scalar>(limb, width, error, machine.limbs[i]);
     } else {
       detail::hang_parallelogram<Scalar>(limb, error, machine.limbs[i]);
       ++parallelograms;
     }
-    const std::span<const Source> own = sources_of(limb.kind);
+    const std::span<const Source> own = sources_of(limb.of.kind);
     machine.first_parameter[i + 1] = static_cast<std::uint16_t>(machine.first_parameter[i] + own.size());
     for (const Source source : own) {
       if (paracal::tilts_plate(source) && error(source) != Scalar(0)) machine.tilts_plate = true;
     }
-    if (!on_single_rods(limb.kind) && detail::turns_bars<Scalar>(limb.kind, error)) turns_bars = true;
+    if (!on_single_rods(limb.of.kind) && detail::turns_bars<Scalar>(limb.of, error)) turns_bars = true;
   }
   if (machine.commands_tilt() && turns_bars) machine.tilts_plate = true;
   machine.has_guides = parallelograms == 0 && !machine.freedoms.are_all();

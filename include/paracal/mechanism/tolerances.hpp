@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "paracal/mechanism/limb_description.hpp"
 #include "paracal/mechanism/source_errors.hpp"
 
 namespace paracal {
@@ -46,16 +47,14 @@ struct Tolerances {
   double largest(Source source) const;
 };
 
-struct Geometry;
-
 /// Fills `assumed` from the half-widths and their origin.
-void list_assumed(Tolerances& tolerances, const Geometry& geometry);
+void list_assumed(Tolerances& tolerances, const Limbs& limbs);
 
 /// Default tolerances, for machines without known drawings. Position group: encoder offsets about
 /// twice the largest of [huang2016, section 5.2.1] (endstops of rails 3 mm). Lengths and angles: about four times the
 /// largest of [huang2016, Table 4]. Struts: 3 mm for each coordinate of a joint and the zero, 15 mm/m for the drive.
 /// Tilt group: [huang2016, Table 2], whose rod and width differences are divided by the parallelogram's width. Limbs of
 /// different kinds share the wider of two.
-Tolerances generous_tolerances(const Geometry& geometry);
+Tolerances generous_tolerances(const Limbs& limbs);
 
 }  // namespace paracal

@@ -13,7 +13,7 @@ namespace paracal {
 ///   z of the robot = z of the firmware + bed        q_i = homed_i - drop_i
 struct PrinterMachine {
   /// Without errors it is the geometry of the firmware: towers at their design angles, one radius, rods and arms of
-  /// mean lengths. Other values of the firmware are intended differences of the limbs. The controller's origin is on
+  /// mean lengths. Other values of the firmware are differences of the limbs. The controller's origin is on
   /// the bed.
   Robot robot;
   SourceErrors design;  ///< errors that turn equal limbs into that geometry: the design positions
@@ -39,7 +39,7 @@ inline PrinterMachine printer_machine(const DeltaGeometry& geometry, double prin
 /// radius.) Rotary (no published data): shoulders within 0.3 mm, motor axes within 0.3 deg, equal rods and arms to
 /// 0.1 mm (cut in one jig). Endstops within 10 mm or 5 deg; ball joints as usually assembled.
 ///
-Tolerances printer_tolerances(const Geometry& geometry);
+Tolerances printer_tolerances(const Limbs& limbs);
 
 /// Common errors of the limbs of a printer: the delta radius and the lengths of rods and arms. The radius is not
 /// measured (standard deviation 5 mm). Distances determine the lengths. Heights alone hardly do; then the stated

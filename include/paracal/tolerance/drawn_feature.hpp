@@ -34,7 +34,6 @@ struct DrawnFeature {
   std::vector<double> sizes = {};  ///< nominal, mm, ascending: one if all limbs are equal
 };
 
-/// @param intended  intended differences of limbs, as in the robot: part of the nominal size.
-DrawnFeature drawn_feature(Source source, const Geometry& geometry, const SourceErrors& intended);
+DrawnFeature drawn_feature(Source source, const Limbs& limbs);
 
 }  // namespace paracal

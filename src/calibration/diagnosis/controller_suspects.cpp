@@ -133,7 +133,7 @@ ControllerSuspect wrong_dimension(const Robot& robot, const Dimension& dimension
   const double nominal = now(robot, dimension);
   const auto value = [nominal](const Eigen::VectorXd& values) { return nominal + values(0); };
   const double most =
-      kFarthest * (dimension.angle ? std::numbers::pi : std::max(nominal, robot.geometry().base_radius));
+      kFarthest * (dimension.angle ? std::numbers::pi : std::max(nominal, sizes_of(robot.limbs()).base_radius));
   return {.name = in_words(dimension.key),
           .noticeable = dimension.angle ? kDegree : 1.0,
           .controller = [&robot, dimension, value](const Eigen::VectorXd& values) -> PoseJoints {
@@ -219,7 +219,7 @@ std::vector<ControllerSuspect> controller_suspects(const Robot& robot) {
   all.push_back(other_zero(robot, Joints::Ones(limbs), "the zero of all joints"));
   all.push_back(other_gear(robot));
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    if (robot.geometry().limbs.empty()) all.push_back(wrong_rod(robot, limb));
+    if (shared_dimensions(robot.limbs())) all.push_back(wrong_rod(robot, limb));
     all.push_back(other_zero(robot, Joints::Unit(limbs, static_cast<Eigen::Index>(limb)),
                              fmt::format("the zero of limb {}", limb + 1)));
   }

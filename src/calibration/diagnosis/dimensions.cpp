@@ -36,9 +36,10 @@ SourceErrors longer_arm(const Robot& robot) {
   });
 }
 
-Eigen::Vector3d intended_shift(const Robot& robot, std::size_t limb) {
-  const SourceErrors& intended = robot.intended();
-  return {intended(limb, "e_x"), intended(limb, "e_y"), intended(limb, "e_z")};
+/// Of a base joint from where all that are alike stand.
+Eigen::Vector3d shift_of(const SharedDimensions& shared, std::size_t limb) {
+  const SourceErrors& differences = shared.differences;
+  return {differences(limb, "e_x"), differences(limb, "e_y"), differences(limb, "e_z")};
 }
 
 SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
@@ -51,8 +52,33 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
 Dimension length_of_limb(const Robot& robot, std::string_view key, double LimbDescription::*number, Source source,
                          std::size_t limb) {
   return {fmt::format("{} of limb {}", key, limb + 1), false,
-          [limb, number](RobotDescription& r) -> double& { return r.geometry.limbs[limb].*number; },
+          [limb, number](const RobotDescription& r) { return r.limbs[limb].*number; },
+          [limb, number](RobotDescription& r, double value) { r.limbs[limb].*number = value; },
           only_limb(each(robot, source), limb)};
+}
+
+/// What is off by `direction` where a number of the short form is wrong.
+Dimension shared_number(std::string key, bool angle, std::function<double&(SharedDimensions&)> number,
+                        SourceErrors direction) {
+  return {.key = std::move(key),
+          .angle = angle,
+          .value =
+              [number](const RobotDescription& r) {
+                SharedDimensions shared = *shared_dimensions(r.limbs);
+                return number(shared);
+              },
+          .set =
+              [number](RobotDescription& r, double value) {
+                SharedDimensions shared = *shared_dimensions(r.limbs);
+                number(shared) = value;
+                r.limbs = limbs_of(shared);
+              },
+          .direction = direction};
+}
+
+Dimension shared_length(std::string key, double SharedDimensions::*length, const SourceErrors& direction) {
+  return shared_number(
+      std::move(key), false, [length](SharedDimensions& shared) -> double& { return shared.*length; }, direction);
 }
 
 /// A rod or an arm of another length.
@@ -72,30 +98,30 @@ std::vector<Dimension> lengths_of_limbs(const Robot& robot) {
 }  // namespace
 
 std::vector<Dimension> dimensions_of_all_limbs(const Robot& robot) {
-  if (!robot.geometry().limbs.empty()) return {};
-  return {{"rod_mm", false, [](RobotDescription& r) -> double& { return r.geometry.rod; }, each(robot, "rod_mean")},
-          {"arm_mm", false, [](RobotDescription& r) -> double& { return r.geometry.arm; }, longer_arm(robot)},
-          {"base_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.base_radius; },
-           radial(robot, 1.0)},
-          {"plate_radius_mm", false, [](RobotDescription& r) -> double& { return r.geometry.plate_radius; },
-           radial(robot, -1.0)}};
+  if (!shared_dimensions(robot.limbs())) return {};
+  return {shared_length("rod_mm", &SharedDimensions::rod, each(robot, "rod_mean")),
+          shared_length("arm_mm", &SharedDimensions::arm, longer_arm(robot)),
+          shared_length("base_radius_mm", &SharedDimensions::base_radius, radial(robot, 1.0)),
+          shared_length("plate_radius_mm", &SharedDimensions::plate_radius, radial(robot, -1.0))};
 }
 
 std::vector<Dimension> dimensions(const Robot& robot) {
-  if (!robot.geometry().limbs.empty()) return lengths_of_limbs(robot);
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs());
+  if (!shared) return lengths_of_limbs(robot);
   std::vector<Dimension> all = dimensions_of_all_limbs(robot);
   SourceErrors turned = turned_base(robot, Eigen::Vector3d::UnitZ());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    shift_limb(robot, limb, -Eigen::Vector3d::UnitZ().cross(intended_shift(robot, limb)), turned);  // e does not turn
-    all.push_back({fmt::format("limb_azimuth_deg of limb {}", limb + 1), true,
-                   [limb](RobotDescription& r) -> double& { return r.geometry.limb_azimuth[limb]; },
-                   only_limb(turned, limb)});
+    shift_limb(robot, limb, -Eigen::Vector3d::UnitZ().cross(shift_of(*shared, limb)), turned);  // e does not turn
+    all.push_back(shared_number(
+        fmt::format("limb_azimuth_deg of limb {}", limb + 1), true,
+        [limb](SharedDimensions& numbers) -> double& { return numbers.limb_azimuth[limb]; }, only_limb(turned, limb)));
   }
   return all;
 }
 
 Dimension pinion_radius() {
-  return {"pinion_radius_mm", false, [](RobotDescription& r) -> double& { return r.slide->pinion_radius; }};
+  return {"pinion_radius_mm", false, [](const RobotDescription& r) { return r.slide->pinion_radius; },
+          [](RobotDescription& r, double value) { r.slide->pinion_radius = value; }};
 }
 
 SourceErrors larger_robot(const Robot& robot) {
@@ -113,13 +139,10 @@ Robot with(const Robot& robot, const Dimension& dimension, double value) {
   RobotDescription description = robot.description();
   description.tolerances = tolerances_of(robot);
   description.workspace = robot.workspace().about_centre(1.0);
-  dimension.of(description) = value;
+  dimension.set(description, value);
   return Robot(std::move(description));
 }
 
-double now(const Robot& robot, const Dimension& dimension) {
-  RobotDescription description = robot.description();
-  return dimension.of(description);
-}
+double now(const Robot& robot, const Dimension& dimension) { return dimension.value(robot.description()); }
 
 }  // namespace paracal::detail

@@ -14,7 +14,8 @@ namespace paracal::detail {
 struct Dimension {
   std::string key;
   bool angle = false;
-  std::function<double&(RobotDescription&)> of;
+  std::function<double(const RobotDescription&)> value;
+  std::function<void(RobotDescription&, double)> set;
   SourceErrors direction = {};  ///< what all limbs have in common per mm or rad that it is larger
 };
 

@@ -16,9 +16,9 @@ constexpr std::array<std::pair<ControllerEvidence, std::string_view>, 4> kEviden
      {ControllerEvidence::confirmed, "confirmed"},
      {ControllerEvidence::stated, "stated"}}};
 
-bool limbs_differ(const Robot& robot) {
-  for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    const auto is_set = [&](Source source) { return robot.intended()(limb, source) != 0.0; };
+bool limbs_differ(const SharedDimensions& shared) {
+  for (std::size_t limb = 0; limb < shared.limb_azimuth.size(); ++limb) {
+    const auto is_set = [&](Source source) { return shared.differences(limb, source) != 0.0; };
     if (std::ranges::any_of(all_sources(), is_set)) return true;
   }
   return false;
@@ -36,14 +36,14 @@ std::optional<ControllerEvidence> controller_evidence(std::string_view name) {
 }
 
 std::string dimensions_in_words(const Robot& robot) {
-  if (!robot.geometry().limbs.empty()) return "the joint positions and lengths of the robot file";
-  const Geometry& geometry = robot.geometry();
-  std::vector<std::string> words{fmt::format("rod {:g} mm", geometry.rod)};
-  if (geometry.arm > 0.0) words.push_back(fmt::format("arm {:g} mm", geometry.arm));
-  words.push_back(fmt::format("base radius {:g} mm", geometry.base_radius));
-  words.push_back(fmt::format("plate radius {:g} mm", geometry.plate_radius));
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs());
+  if (!shared) return "the joint positions and lengths of the robot file";
+  std::vector<std::string> words{fmt::format("rod {:g} mm", shared->rod)};
+  if (shared->arm > 0.0) words.push_back(fmt::format("arm {:g} mm", shared->arm));
+  words.push_back(fmt::format("base radius {:g} mm", shared->base_radius));
+  words.push_back(fmt::format("plate radius {:g} mm", shared->plate_radius));
   if (robot.slide()) words.push_back(fmt::format("pinion radius {:g} mm", robot.slide()->pinion_radius));
-  if (limbs_differ(robot)) words.emplace_back("individual limb dimensions as in the robot file");
+  if (limbs_differ(*shared)) words.emplace_back("individual limb dimensions as in the robot file");
   return fmt::format("{}", fmt::join(words, ", "));
 }
 

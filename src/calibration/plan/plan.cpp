@@ -116,7 +116,7 @@ Measurements planned(const Robot& robot, const std::vector<Station>& stations, c
   if (poses) return planned_poses(robot, stations, readings);
   RandomStream unused(0);
   VirtualInstrument instrument{.reads_rotation = readings.rotation, .mount = readings.mount};
-  if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -robot.geometry().parallelogram_width);
+  if (readings.second) instrument.second = Eigen::Vector3d(0.0, 0.0, -sizes_of(robot.limbs()).parallelogram_width);
   Measurements plan = simulate(robot, {}, stations, instrument, unused);
   if (coordinates) return plan;
   plan.distances = all_distances(plan.series.front());

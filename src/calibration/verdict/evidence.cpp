@@ -82,7 +82,7 @@ void add_residuals(const Measurements& measurements, const Snapshot& before, con
 
 /// Places in a plane, mirrored there, are places in a plane seen from its other side.
 void state_turned_over(const Robot& robot, Calibration& calibration) {
-  if (!robot.nominal().has_guides || !robot.geometry().freedoms.holds_z()) return;
+  if (!robot.nominal().has_guides || !robot.freedoms().holds_z()) return;
   for (const SeriesFrame& one : calibration.frames) {
     if (one.frame.rotation(2, 2) >= 0.0) continue;
     calibration.assumed.push_back(

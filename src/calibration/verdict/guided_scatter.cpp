@@ -54,7 +54,7 @@ Squares squares_of(const Observation& observation, const Placed& at) {
 void state_guided_scatter(const Observation& observation, const Placed& at, double found, Calibration& calibration) {
   constexpr double kFewest = 3.0, kSeen = 1e-6;  // degrees of freedom, mm
   const Robot& robot = observation.robot();
-  if (!robot.nominal().has_guides || !robot.geometry().freedoms.holds_z()) return;
+  if (!robot.nominal().has_guides || !robot.freedoms().holds_z()) return;
   const Squares squares = squares_of(observation, at);
   const double across = squares.poses - 3.0 * squares.series;
   const double within = 2.0 * squares.poses - found - 3.0 * squares.series;

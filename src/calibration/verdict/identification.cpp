@@ -136,7 +136,7 @@ void check(const Discrepancies& expected) {
 Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
   if (!options.expected) return robot;
   RobotDescription description = robot.description();
-  description.intended = description.intended + *options.expected;
+  description.limbs = with_errors(std::move(description.limbs), *options.expected);
   return Robot(std::move(description));
 }
 

@@ -19,7 +19,7 @@ namespace {
 Json exact(const std::optional<Tolerances>& tolerances, const Robot& robot) {
   if (!tolerances) return nullptr;
   Json json{{"half_width", Json::array()}, {"distribution", distribution_name(tolerances->distribution)}};
-  for (const Source source : sources_of(robot.geometry())) {
+  for (const Source source : sources_of(robot.limbs())) {
     const std::vector<double>& measured = tolerances->measured[source];
     json["half_width"].push_back((*tolerances)[source]);
     if (!measured.empty()) json["measured"][std::string(name(source))] = json_array(measured);
@@ -127,14 +127,14 @@ Json to_json(const Batch& batch) {
           {"build", build()},
           {"seed", seed},
           {"robot", to_json(robot)},
-          {"limb_azimuth_rad", json_array(robot.geometry().limb_azimuth)},
+          {"limb_azimuth_rad", json_array(robot.limbs(), azimuth_of)},
           {"rotation_rad", {robot.workspace().min_rotation, robot.workspace().max_rotation}},
           {"robot_tolerances", exact(robot.tolerances(), robot)},
           {"tolerances", exact(plan.tolerances, robot)},
           {"stations", digest(plan.stations)},
           {"validation", digest(plan.validation)},
           {"instrument", instrument_json(plan.instrument)},
-          {"calibration", to_json(plan.calibration, robot.geometry())},
+          {"calibration", to_json(plan.calibration, robot.limbs())},
           {"rotation_sigma_rad", plan.calibration.noise.rotation},
           {"priors", exact(plan.calibration.tolerances, robot)},
           {"limits", limits_json(plan.limits)},

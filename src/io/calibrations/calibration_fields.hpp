@@ -185,9 +185,7 @@ struct List<CalibrationInFile> {
   }
 
   static void of_readings(auto&& field) {
-    const auto options = [](const Of& in_file) {
-      return OptionsInFile{in_file.of.options, in_file.of.robot.geometry()};
-    };
+    const auto options = [](const Of& in_file) { return OptionsInFile{in_file.of.options, in_file.of.robot.limbs()}; };
     const auto printer = [](const Of&) { return std::optional<Json>(); };  // the command adds it
     field("before", &member<&Calibration::before>, "against the nominal machine");
     field("after", &member<&Calibration::after>, "against the calibrated machine");

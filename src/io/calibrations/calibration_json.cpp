@@ -95,9 +95,7 @@ Json to_json(const std::vector<InputFile>& files) { return stored(files); }
 
 Json to_json(const TrackerModel& tracker) { return stored(tracker); }
 
-Json to_json(const CalibrationOptions& options, const Geometry& geometry) {
-  return stored(OptionsInFile{options, geometry});
-}
+Json to_json(const CalibrationOptions& options, const Limbs& limbs) { return stored(OptionsInFile{options, limbs}); }
 
 Json to_json(const Calibration& calibration, std::int64_t time) { return stored(CalibrationInFile{calibration, time}); }
 

@@ -19,20 +19,21 @@ Json values_json(const std::vector<KeyValues>& values) {
   return json;
 }
 
-Json to_json(const Tolerances& tolerances, const Geometry& geometry) {
+Json to_json(const Tolerances& tolerances, const Limbs& limbs) {
   Json json;
-  const std::vector<Source> listed = listed_tolerances(tolerances, geometry);
+  const std::vector<Source> listed = listed_tolerances(tolerances, limbs);
   for (const Source source : listed) {
-    json[file_key(source, geometry.actuator)] = tidy(to_file_unit(unit(source, geometry.actuator), tolerances[source]));
+    json[file_key(source, actuator_of(limbs))] =
+        tidy(to_file_unit(unit(source, actuator_of(limbs)), tolerances[source]));
   }
-  if (listed.size() < leading_sources(geometry).size()) json["others"] = "exact";
-  const std::vector<std::string> generous = generous_keys(tolerances, geometry);
+  if (listed.size() < leading_sources(limbs).size()) json["others"] = "exact";
+  const std::vector<std::string> generous = generous_keys(tolerances, limbs);
   if (!generous.empty()) json["generous"] = generous;
   json["distribution"] = distribution_name(tolerances.distribution);
-  for (const Source source : leading_sources(geometry)) {
+  for (const Source source : leading_sources(limbs)) {
     for (const double value : tolerances.measured[source]) {
-      json["measured"][file_key(source, geometry.actuator)].push_back(
-          tidy(to_file_unit(unit(source, geometry.actuator), value)));
+      json["measured"][file_key(source, actuator_of(limbs))].push_back(
+          tidy(to_file_unit(unit(source, actuator_of(limbs)), value)));
     }
   }
   return json;
@@ -40,7 +41,7 @@ Json to_json(const Tolerances& tolerances, const Geometry& geometry) {
 
 Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
   Json json = Json::object();
-  for (const Source source : listed_tolerances(tolerances, robot.geometry())) {
+  for (const Source source : listed_tolerances(tolerances, robot.limbs())) {
     const std::optional<DrawingStatement> said = on_a_drawing(tolerances, source, robot);
     if (!said) continue;
     json[file_key(source, robot.actuator())] = {{"statement", said->statement.empty() ? Json() : Json(said->statement)},
@@ -51,19 +52,19 @@ Json drawing_json(const Tolerances& tolerances, const Robot& robot) {
 }
 
 Json to_json(const Robot& robot) {
-  const Geometry& geometry = robot.geometry();
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs());
   Json json{{"name", robot.name()}};
-  if (!geometry.limbs.empty()) {
-    if (!geometry.freedoms.are_all()) json["plate"] = {{"freedoms", freedoms_json(geometry.freedoms)}};
-    json["limb"] = limbs_json(geometry);
+  if (shared) {
+    json["geometry"] = {{"base_radius_mm", shared->base_radius},
+                        {"plate_radius_mm", shared->plate_radius},
+                        {"arm_mm", shared->arm},
+                        {"rod_mm", shared->rod},
+                        {"parallelogram_width_mm", shared->parallelogram_width},
+                        {"limb_azimuth_deg", json_array(shared->limb_azimuth, tidy_degrees)},
+                        {"actuator", actuator_name(shared->actuator)}};
   } else {
-    json["geometry"] = {{"base_radius_mm", geometry.base_radius},
-                        {"plate_radius_mm", geometry.plate_radius},
-                        {"arm_mm", geometry.arm},
-                        {"rod_mm", geometry.rod},
-                        {"parallelogram_width_mm", geometry.parallelogram_width},
-                        {"limb_azimuth_deg", json_array(geometry.limb_azimuth, tidy_degrees)},
-                        {"actuator", actuator_name(geometry.actuator)}};
+    if (!robot.freedoms().are_all()) json["plate"] = {{"freedoms", freedoms_json(robot.freedoms())}};
+    json["limb"] = limbs_json(robot.limbs());
   }
   if (const std::optional<Slide>& slide = robot.slide()) {
     json["plate"] = {{"slide_axis", json_array(slide->axis)},
@@ -77,8 +78,8 @@ Json to_json(const Robot& robot) {
   if (const auto& limits = robot.joint_limits()) {
     for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator())) json["joints"][key] = value;
   }
-  for (const auto& limb : intended_values(robot)) json["limb"].push_back(values_json(limb));
-  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.geometry());
+  for (const auto& limb : differences(robot)) json["limb"].push_back(values_json(limb));
+  if (robot.tolerances()) json["tolerances"] = to_json(*robot.tolerances(), robot.limbs());
   return json;
 }
 

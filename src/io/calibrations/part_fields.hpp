@@ -107,7 +107,7 @@ struct List<CommonError> {
 /// The options of a calibration of a robot with these actuators.
 struct OptionsInFile {
   const CalibrationOptions& options;
-  const Geometry& geometry;
+  const Limbs& limbs;
 };
 
 template <>
@@ -116,7 +116,7 @@ struct List<OptionsInFile> {
 
   /// Calls field(key, value, meaning, form) for each.
   static void values(const OptionsInFile& of, auto&& field) {
-    const double joint_factor = to_file_unit(joint_unit(of.geometry.actuator), 1.0);
+    const double joint_factor = to_file_unit(joint_unit(actuator_of(of.limbs)), 1.0);
     CalibrationSettings::list(
         of.options, joint_factor, [&](const Setting& setting, const auto& value, const auto&... /*other*/) {
           if (setting.key.empty()) return;
@@ -127,8 +127,8 @@ struct List<OptionsInFile> {
   /// Whose types the schema describes.
   static OptionsInFile example() {
     static const CalibrationOptions kOptions;
-    static const Geometry kGeometry;
-    return {kOptions, kGeometry};
+    static const Limbs kLimbs(1);
+    return {kOptions, kLimbs};
   }
 
  private:
@@ -137,7 +137,7 @@ struct List<OptionsInFile> {
     if constexpr (std::same_as<T, std::vector<SourceSelector>>) {
       return selectors(value);
     } else if constexpr (std::same_as<T, std::optional<Tolerances>>) {
-      return value ? std::optional(to_json(*value, of.geometry)) : std::nullopt;
+      return value ? std::optional(to_json(*value, of.limbs)) : std::nullopt;
     } else if constexpr (std::same_as<T, double>) {
       return setting.factor == 1.0 ? value : tidy(setting.factor * value);
     } else if constexpr (std::same_as<T, std::optional<double>>) {

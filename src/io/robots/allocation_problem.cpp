@@ -131,10 +131,10 @@ DesignVariable variable_of(Section section, std::vector<Source> sources, const R
 std::vector<DesignVariable> variables_of(Section section, const Robot& robot) {
   const Actuator actuator = robot.actuator();
   std::vector<DesignVariable> variables;
-  for (const Source source : leading_sources(robot.geometry())) {
+  for (const Source source : leading_sources(robot.limbs())) {
     std::optional<Section> cost = section.optional_table(file_key(source, actuator));
     if (!cost) continue;
-    variables.push_back(variable_of(std::move(*cost), sharing(source, robot.geometry()), robot));
+    variables.push_back(variable_of(std::move(*cost), sharing(source, robot.limbs()), robot));
   }
   section.refuse_others();
   return variables;

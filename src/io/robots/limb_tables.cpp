@@ -160,22 +160,20 @@ std::vector<LimbDescription> repeated(Section& table) {
 
 }  // namespace
 
-Geometry limbs_geometry(Section& root) {
+void read_limbs(Section& root, RobotDescription& robot) {
   std::optional<Section> plate = root.optional_table("plate");
   const bool has_slide = plate && plate->find("slide_axis") != nullptr;
-  const PlateFreedoms freedoms = has_slide ? kLevelPlate
-                                 : plate   ? freedoms_of(*plate)
-                                           : PlateFreedoms{};  // first: limbs may be unknown ones, too
-  std::vector<LimbDescription> limbs;
+  robot.freedoms = has_slide ? kLevelPlate
+                   : plate   ? freedoms_of(*plate)
+                             : PlateFreedoms{};  // first: limbs may be unknown ones, too
   for (Section& limb : root.tables("limb")) {
     const std::vector<LimbDescription> copies = repeated(limb);
-    limbs.insert(limbs.end(), copies.begin(), copies.end());
+    robot.limbs.insert(robot.limbs.end(), copies.begin(), copies.end());
   }
-  if (has_slide && std::ranges::any_of(limbs, on_single_rods, &LimbDescription::kind)) {
+  if (has_slide && std::ranges::any_of(robot.limbs, on_single_rods, &LimbDescription::kind)) {
     plate->fail(*plate->find("slide_axis"),
                 fmt::format("expected {} and no slide for limbs with one rod", plate->key_path("freedoms")));
   }
-  return geometry_of_limbs(std::move(limbs), freedoms);
 }
 
 Json freedoms_json(const PlateFreedoms& freedoms) {
@@ -186,19 +184,15 @@ Json freedoms_json(const PlateFreedoms& freedoms) {
   return names;
 }
 
-std::string limbs_toml(const Geometry& geometry) {
+std::string limbs_toml(const Limbs& limbs) {
   std::string text;
-  for (const Json& limb : limbs_json(geometry)) {
+  for (const Json& limb : limbs_json(limbs)) {
     text += "\n[[limb]]\n";
     for (const auto& [key, value] : limb.items()) text += fmt::format("{} = {}\n", key, toml_value(value));
   }
   return text;
 }
 
-Json limbs_json(const Geometry& geometry) {
-  Json limbs = Json::array();
-  for (const LimbDescription& limb : geometry.limbs) limbs.push_back(limb_json(limb));
-  return limbs;
-}
+Json limbs_json(const Limbs& limbs) { return json_array(limbs, limb_json); }
 
 }  // namespace paracal::io

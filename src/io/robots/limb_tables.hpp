@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to io: the [[limb]] tables of a robot whose limbs have one rod each.
+// Private to io: the [[limb]] tables of a robot whose limbs have their own dimensions.
 
 #include <string>
 #include <vector>
@@ -14,12 +14,12 @@ namespace paracal::io {
 /// Whether the tables say what each limb is, rather than what it differs by from a [geometry].
 bool define_limbs(const toml::table& document);
 
-/// Limbs of one kind.
+/// Limbs with their own dimensions, and the degrees of freedom of the plate on them.
 /// @throws InputFileError for a kind that is none or another, and for missing, unknown or wrongly typed keys.
-Geometry limbs_geometry(Section& root);
+void read_limbs(Section& root, RobotDescription& robot);
 
-std::string limbs_toml(const Geometry& geometry);
-Json limbs_json(const Geometry& geometry);
+std::string limbs_toml(const Limbs& limbs);
+Json limbs_json(const Limbs& limbs);
 /// ["x", "y"]
 Json freedoms_json(const PlateFreedoms& freedoms);
 

@@ -15,11 +15,11 @@
 namespace paracal::io {
 
 /// A table that lists only some errors says what the others are, in `others`: "exact" or "generous". Drawing statements
-/// are of the nominal sizes of that geometry, with what single limbs are intended to differ by.
+/// are of the nominal sizes of these limbs.
 /// @throws InputFileError where it does not, naming what is missing; for a negative half-width, for what no drawing
 /// says
 ///         of an error, and unknown keys.
-Tolerances tolerances_of(Section section, const Geometry& geometry, const SourceErrors& intended);
+Tolerances tolerances_of(Section section, const Limbs& limbs);
 
 /// A robot file's document.
 /// @throws InputFileError for missing, unknown or wrongly typed keys, and for geometry that Robot refuses.
@@ -41,8 +41,9 @@ std::vector<KeyValues> workspace_values(const Workspace& workspace);
 /// All errors of one limb.
 std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb, Actuator actuator);
 
-/// What each limb is intended to differ by, without zeros; empty where all limbs are alike.
-std::vector<std::vector<KeyValues>> intended_values(const Robot& robot);
+/// What each limb differs in from the shared dimensions of the short form, without zeros; empty where all are alike, or
+/// limbs state their own dimensions.
+std::vector<std::vector<KeyValues>> differences(const Robot& robot);
 
 /// "[1, 2.5]"
 std::string array(const auto& values) {

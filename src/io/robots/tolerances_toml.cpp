@@ -18,18 +18,18 @@ constexpr std::string_view kGenerous = "generous";
 /// Reads one table of tolerances.
 class ToleranceTable {
  public:
-  ToleranceTable(Section section, const Geometry& geometry, const SourceErrors& intended)
-      : section_(std::move(section)), geometry_(geometry), intended_(intended), actuator_(geometry.actuator) {}
+  ToleranceTable(Section section, const Limbs& limbs)
+      : section_(std::move(section)), limbs_(limbs), actuator_(actuator_of(limbs)) {}
 
   Tolerances read() && {
-    for (const Source source : sources_of(geometry_)) tolerances_[source] = half_width(source);
+    for (const Source source : sources_of(limbs_)) tolerances_[source] = half_width(source);
     read_distribution();
     read_measured();
     read_generous();
     const std::string others = read_others();
     section_.refuse_others();
     settle(others);
-    list_assumed(tolerances_, geometry_);
+    list_assumed(tolerances_, limbs_);
     return std::move(tolerances_);
   }
 
@@ -37,7 +37,7 @@ class ToleranceTable {
   std::string key(Source source) const { return file_key(source, actuator_); }
 
   /// Of what a part can be off, in the unit of the file.
-  double limit(Source source) const { return to_file_unit(unit(source, actuator_), largest_error(geometry_, source)); }
+  double limit(Source source) const { return to_file_unit(unit(source, actuator_), largest_error(limbs_, source)); }
 
   double half_width(Source source) {
     const toml::node* node = section_.find(key(source));
@@ -55,7 +55,7 @@ class ToleranceTable {
   /// What a drawing says.
   double drawn(Source source, const toml::node& node) const {
     try {
-      return half_width_of(**node.as_string(), drawn_feature(source, geometry_, intended_));
+      return half_width_of(**node.as_string(), drawn_feature(source, limbs_));
     } catch (const InvalidArgument& complaint) {
       section_.fail(node, fmt::format("{}: {}", section_.key_path(key(source)), complaint.what()));
     }
@@ -76,7 +76,7 @@ class ToleranceTable {
   void read_measured() {
     std::optional<Section> measured = section_.optional_table("measured");
     if (!measured) return;
-    for (const Source source : sources_of(geometry_)) {
+    for (const Source source : sources_of(limbs_)) {
       if (measured->find(key(source)) == nullptr) continue;
       for (const double value : measured->numbers(key(source), plausible::kFinite)) {
         if (std::abs(value) >= limit(source)) {
@@ -96,7 +96,7 @@ class ToleranceTable {
     if (node == nullptr) return;
     for (const std::string& name : section_.texts(kGenerous)) {
       bool known = false;
-      for (const Source source : sources_of(geometry_)) {
+      for (const Source source : sources_of(limbs_)) {
         if (key(source) != name) continue;
         tolerances_.origin[source] = Origin::generous;
         known = true;
@@ -122,9 +122,9 @@ class ToleranceTable {
 
   /// Gives a half-width to all that the table does not list.
   void settle(const std::string& others) {
-    const Tolerances generous = generous_tolerances(geometry_);
+    const Tolerances generous = generous_tolerances(limbs_);
     std::string missing;
-    for (const Source source : sources_of(geometry_)) {
+    for (const Source source : sources_of(limbs_)) {
       if (!is_open(source)) continue;
       tolerances_.origin[source] = others == kGenerous ? Origin::generous : Origin::exact;
       if (others == kGenerous) tolerances_[source] = generous[source];
@@ -139,27 +139,26 @@ class ToleranceTable {
   }
 
   Section section_;
-  const Geometry& geometry_;
-  const SourceErrors& intended_;
+  const Limbs& limbs_;
   Actuator actuator_;
   Tolerances tolerances_;
 };
 
 }  // namespace
 
-Tolerances tolerances_of(Section section, const Geometry& geometry, const SourceErrors& intended) {
-  return ToleranceTable(std::move(section), geometry, intended).read();
+Tolerances tolerances_of(Section section, const Limbs& limbs) {
+  return ToleranceTable(std::move(section), limbs).read();
 }
 
 namespace {
 
 /// A line a listed source, with what `remark` says of it behind the longest of them.
-std::string half_widths_toml(const Tolerances& tolerances, const Geometry& geometry, const auto& remark) {
+std::string half_widths_toml(const Tolerances& tolerances, const Limbs& limbs, const auto& remark) {
   std::vector<std::pair<std::string, std::string>> lines;
   std::size_t longest = 0;
-  for (const Source source : listed_tolerances(tolerances, geometry)) {
-    const double value = tidy(to_file_unit(unit(source, geometry.actuator), tolerances[source]));
-    lines.emplace_back(fmt::format("{} = {}", file_key(source, geometry.actuator), value), remark(source));
+  for (const Source source : listed_tolerances(tolerances, limbs)) {
+    const double value = tidy(to_file_unit(unit(source, actuator_of(limbs)), tolerances[source]));
+    lines.emplace_back(fmt::format("{} = {}", file_key(source, actuator_of(limbs)), value), remark(source));
     longest = std::max(longest, lines.back().first.size());
   }
   std::string text;
@@ -169,18 +168,18 @@ std::string half_widths_toml(const Tolerances& tolerances, const Geometry& geome
   return text;
 }
 
-std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geometry, const auto& remark) {
-  std::string text = "[tolerances]  # half-widths, 3 sigma\n" + half_widths_toml(tolerances, geometry, remark);
+std::string tolerances_toml(const Tolerances& tolerances, const Limbs& limbs, const auto& remark) {
+  std::string text = "[tolerances]  # half-widths, 3 sigma\n" + half_widths_toml(tolerances, limbs, remark);
   std::string measured;
-  for (const Source source : listed_tolerances(tolerances, geometry)) {
+  for (const Source source : listed_tolerances(tolerances, limbs)) {
     std::vector<double> values;
     for (const double value : tolerances.measured[source]) {
-      values.push_back(tidy(to_file_unit(unit(source, geometry.actuator), value)));
+      values.push_back(tidy(to_file_unit(unit(source, actuator_of(limbs)), value)));
     }
-    if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, geometry.actuator), array(values));
+    if (!values.empty()) measured += fmt::format("{} = {}\n", file_key(source, actuator_of(limbs)), array(values));
   }
-  if (listed_tolerances(tolerances, geometry).size() < leading_sources(geometry).size()) text += "others = \"exact\"\n";
-  const std::vector<std::string> generous = generous_keys(tolerances, geometry);
+  if (listed_tolerances(tolerances, limbs).size() < leading_sources(limbs).size()) text += "others = \"exact\"\n";
+  const std::vector<std::string> generous = generous_keys(tolerances, limbs);
   if (!generous.empty()) {
     text += fmt::format("{} = [\"{}\"]  # default tolerances: state yours\n", kGenerous, fmt::join(generous, "\", \""));
   }
@@ -191,12 +190,12 @@ std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geomet
 
 }  // namespace
 
-std::string tolerances_toml(const Tolerances& tolerances, const Geometry& geometry) {
-  return tolerances_toml(tolerances, geometry, [](Source) { return std::string(); });
+std::string tolerances_toml(const Tolerances& tolerances, const Limbs& limbs) {
+  return tolerances_toml(tolerances, limbs, [](Source) { return std::string(); });
 }
 
 std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot) {
-  return tolerances_toml(tolerances, robot.geometry(), [&](Source source) {
+  return tolerances_toml(tolerances, robot.limbs(), [&](Source source) {
     return on_a_drawing(tolerances, source, robot).value_or(DrawingStatement()).text;
   });
 }
@@ -204,13 +203,13 @@ std::string tolerances_toml(const Tolerances& tolerances, const Robot& robot) {
 Tolerances read_tolerances(const TextFile& file, const Robot& robot) {
   const toml::table document = parse_toml(file);
   Section root(file.name, "", document);
-  if (root.find("tolerances") == nullptr) return tolerances_of(root, robot.geometry(), robot.intended());
+  if (root.find("tolerances") == nullptr) return tolerances_of(root, robot.limbs());
   // The table may stand in a robot file.
   for (const char* key : {"name", "geometry", "plate", "limb", "workspace", "controller", "joints", "error"}) {
     (void)root.find(key);
   }
   root.refuse_others();
-  return tolerances_of(root.table("tolerances"), robot.geometry(), robot.intended());
+  return tolerances_of(root.table("tolerances"), robot.limbs());
 }
 
 }  // namespace paracal::io

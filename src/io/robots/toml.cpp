@@ -21,23 +21,23 @@ namespace {
 
 Eigen::Vector3d vector_of(const std::vector<double>& values) { return {values[0], values[1], values[2]}; }
 
-Geometry geometry_of(Section section) {
-  Geometry geometry;
-  geometry.base_radius = section.number("base_radius_mm", plausible::kFinite);
-  geometry.plate_radius = section.number("plate_radius_mm", plausible::kFinite);
-  geometry.arm = section.number("arm_mm", plausible::kFinite);
-  geometry.rod = section.number("rod_mm", plausible::kFinite);
-  geometry.parallelogram_width = section.number("parallelogram_width_mm", plausible::kFinite);
+SharedDimensions shared_of(Section section) {
+  SharedDimensions shared;
+  shared.base_radius = section.number("base_radius_mm", plausible::kFinite);
+  shared.plate_radius = section.number("plate_radius_mm", plausible::kFinite);
+  shared.arm = section.number("arm_mm", plausible::kFinite);
+  shared.rod = section.number("rod_mm", plausible::kFinite);
+  shared.parallelogram_width = section.number("parallelogram_width_mm", plausible::kFinite);
   for (const double azimuth : section.numbers("limb_azimuth_deg", plausible::kAngle))
-    geometry.limb_azimuth.push_back(to_radians(azimuth));
+    shared.limb_azimuth.push_back(to_radians(azimuth));
   const std::string actuator = section.text("actuator");
   if (actuator != "revolute" && actuator != "linear") {
     section.fail(section.require("actuator", ""), fmt::format("expected \"revolute\" or \"linear\" for {}, got \"{}\"",
                                                               section.key_path("actuator"), actuator));
   }
-  geometry.actuator = actuator == "linear" ? Actuator::linear : Actuator::revolute;
+  shared.actuator = actuator == "linear" ? Actuator::linear : Actuator::revolute;
   section.refuse_others();
-  return geometry;
+  return shared;
 }
 
 Slide slide_of(Section section) {
@@ -149,7 +149,7 @@ void read_errors(Section& table, std::size_t limb, const JointSpace& joints, Sou
 }
 
 /// One [[limb]] table a limb.
-SourceErrors limbs_of(const Section& root, const toml::node& limbs, const JointSpace& joints) {
+SourceErrors errors_of_limbs(const Section& root, const toml::node& limbs, const JointSpace& joints) {
   if (!limbs.is_array_of_tables()) root.fail(limbs, fmt::format("expected [[limb]] tables, got {}", type_name(limbs)));
   const toml::array& tables = *limbs.as_array();
   if (tables.size() != joints.count) {
@@ -183,28 +183,50 @@ SourceErrors numbered_errors(Section& root, const JointSpace& joints) {
   return errors;
 }
 
+/// [geometry], and what its limbs differ in by [[limb]] tables.
+void read_short_form(Section& root, RobotDescription& robot) {
+  SharedDimensions shared = shared_of(root.table("geometry"));
+  const std::size_t limbs = shared.limb_azimuth.size(), wanted = robot.slide ? 4 : 3;
+  if (limbs != wanted) {
+    throw InvalidArgument(fmt::format(
+        "geometry.limb_azimuth_deg: expected {} limbs for a {}, got {}: describe a robot with other limbs by "
+        "[plate] and [[limb]] tables instead of [geometry]",
+        wanted, robot.slide ? "plate with a slide" : "rigid plate", limbs));
+  }
+  if (const toml::node* tables = root.find("limb")) {
+    shared.differences = errors_of_limbs(root, *tables, {limbs, shared.actuator});
+  }
+  robot.limbs = limbs_of(shared);
+  robot.freedoms = kLevelPlate;
+}
+
+/// The short form describes robots that hang.
+void check_below(const Workspace& workspace) {
+  if (workspace.top_z < 0.0) return;
+  throw InvalidArgument(fmt::format("workspace.{}: expected a depth below the base (< 0 mm), got {} mm",
+                                    workspace.keys().top, workspace.top_z));
+}
+
 RobotDescription description_of(const std::string& file, const toml::table& document) {
   Section root(file, "", document);
   RobotDescription robot;
   robot.name = root.text("name");
   const bool of_limbs = define_limbs(document);
-  robot.geometry = of_limbs ? limbs_geometry(root) : geometry_of(root.table("geometry"));
   auto plate = root.optional_table("plate");
+  if (of_limbs) read_limbs(root, robot);
   if (plate && (!of_limbs || plate->find("slide_axis"))) robot.slide = slide_of(*plate);
-  robot.workspace = workspace_of(root.table("workspace"), robot.geometry.freedoms.holds_z());
-  const toml::node* limbs = of_limbs ? nullptr : root.find("limb");
-  if (limbs != nullptr && robot.geometry.limb_azimuth.size() <= kMaxLimbs) {  // more are refused with the geometry
-    robot.intended = limbs_of(root, *limbs, {robot.geometry.limb_azimuth.size(), robot.geometry.actuator});
-  }
+  if (!of_limbs) read_short_form(root, robot);
+  robot.workspace = workspace_of(root.table("workspace"), robot.freedoms.holds_z());
+  if (!of_limbs) check_below(robot.workspace);
   if (const auto tolerances = root.optional_table("tolerances")) {
-    robot.tolerances = tolerances_of(*tolerances, robot.geometry, robot.intended);
+    robot.tolerances = tolerances_of(*tolerances, robot.limbs);
   }
   if (auto controller = root.optional_table("controller")) {
     robot.controller_origin = vector_of(controller->numbers("origin_mm", plausible::length(kLargestReach), 3));
     controller->refuse_others();
   }
   if (auto joints = root.optional_table("joints")) {
-    const Actuator actuator = robot.geometry.actuator;
+    const Actuator actuator = actuator_of(robot.limbs);
     const auto limit = [&](const std::string& key) {
       return from_file_unit(joint_unit(actuator), joints->number(key, plausible::kSpeed));
     };
@@ -248,22 +270,30 @@ std::string toml_quoted(const std::string& text) {
   return stream.str();
 }
 
+std::string shared_toml(const SharedDimensions& shared) {
+  std::vector<double> azimuth;
+  for (const double angle : shared.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
+  return fmt::format(
+      "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n"
+      "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
+      shared.base_radius, shared.plate_radius, shared.arm, shared.rod, shared.parallelogram_width, array(azimuth),
+      actuator_name(shared.actuator));
+}
+
 std::string plate_toml(const Robot& robot) {
   if (const std::optional<Slide>& slide = robot.slide()) {
     return fmt::format("\n[plate]\nslide_axis = {}\nslide_sign = {}\npinion_radius_mm = {}\n", array(slide->axis),
                        array(slide->sign), slide->pinion_radius);
   }
-  const Geometry& geometry = robot.geometry();
-  if (geometry.limbs.empty() || geometry.freedoms.are_all()) return "";
-  return fmt::format("\n[plate]\n{} = {}\n", "freedoms", freedoms_json(geometry.freedoms).dump());
+  if (robot.freedoms().are_all()) return "";
+  return fmt::format("\n[plate]\n{} = {}\n", "freedoms", freedoms_json(robot.freedoms()).dump());
 }
 
 }  // namespace
 
 Robot robot_of(const std::string& file, const toml::table& document) {
-  RobotDescription description = description_of(file, document);
   try {
-    return Robot(std::move(description));
+    return Robot(description_of(file, document));
   } catch (const InvalidArgument& complaint) {
     throw InputFileError(file, line_of_complaint(document, complaint.what()), complaint.what());
   }
@@ -283,18 +313,11 @@ Robot read_robot(const TextFile& file) {
 std::string robot_toml(const Robot& robot) {
   std::string text;
   const auto out = std::back_inserter(text);
-  const Geometry& geometry = robot.geometry();
-  std::vector<double> azimuth;
-  for (const double angle : geometry.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
   fmt::format_to(out, "name = {}\n", toml_quoted(robot.name()));
-  if (!geometry.limbs.empty()) {
-    text += plate_toml(robot) + limbs_toml(geometry);
+  if (const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs())) {
+    text += shared_toml(*shared) + (robot.slide() ? plate_toml(robot) : "");
   } else {
-    fmt::format_to(out, "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n",
-                   geometry.base_radius, geometry.plate_radius, geometry.arm, geometry.rod);
-    fmt::format_to(out, "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
-                   geometry.parallelogram_width, array(azimuth), actuator_name(geometry.actuator));
-    text += plate_toml(robot);
+    text += plate_toml(robot) + limbs_toml(robot.limbs());
   }
   text += "\n[workspace]\n" + values_toml(workspace_values(robot.workspace()));
   if (!robot.controller_origin().isZero(0.0)) {
@@ -305,8 +328,8 @@ std::string robot_toml(const Robot& robot) {
     for (const auto& [key, value] : joint_limits_in_file(*limits, robot.actuator()))
       fmt::format_to(out, "{} = {}\n", key, value);
   }
-  for (const auto& limb : intended_values(robot)) text.append("\n").append(limb_toml(limb));
-  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.geometry()));
+  for (const auto& limb : differences(robot)) text.append("\n").append(limb_toml(limb));
+  if (robot.tolerances()) text.append("\n").append(tolerances_toml(*robot.tolerances(), robot.limbs()));
   return text;
 }
 
@@ -349,10 +372,12 @@ std::vector<KeyValues> limb_values(const SourceErrors& errors, std::size_t limb,
   return all;
 }
 
-std::vector<std::vector<KeyValues>> intended_values(const Robot& robot) {
+std::vector<std::vector<KeyValues>> differences(const Robot& robot) {
+  const std::optional<SharedDimensions> shared = shared_dimensions(robot.limbs());
+  if (!shared) return {};
   std::vector<std::vector<KeyValues>> limbs(robot.limb_count());
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    for (KeyValues& one : limb_values(robot.intended(), limb, robot.nominal().limbs[limb].actuator)) {
+    for (KeyValues& one : limb_values(shared->differences, limb, robot.nominal().limbs[limb].actuator)) {
       if (std::ranges::all_of(one.values, [](double value) { return value == 0.0; })) continue;
       std::ranges::transform(one.values, one.values.begin(), tidy);
       limbs[limb].push_back(std::move(one));
@@ -381,7 +406,7 @@ SourceErrors read_source_errors(const TextFile& file, const JointSpace& joints) 
   }
   const toml::node& limbs = root.require("limb", "one [[limb]] table for each limb, or [[error]] tables");
   root.refuse_others();
-  return limbs_of(root, limbs, joints);
+  return errors_of_limbs(root, limbs, joints);
 }
 
 }  // namespace paracal::io

@@ -43,22 +43,22 @@ std::array<std::pair<std::string, double>, 2> joint_limits_in_file(const JointLi
            {joint_acceleration_key(actuator), value(limits.acceleration)}}};
 }
 
-std::vector<Source> leading_sources(const Geometry& geometry) {
-  std::vector<Source> sources = sources_of(geometry);
+std::vector<Source> leading_sources(const Limbs& limbs) {
+  std::vector<Source> sources = sources_of(limbs);
   std::erase_if(sources, [](Source source) { return !is_leading(source); });
   return sources;
 }
 
-std::vector<Source> listed_tolerances(const Tolerances& tolerances, const Geometry& geometry) {
-  std::vector<Source> sources = leading_sources(geometry);
+std::vector<Source> listed_tolerances(const Tolerances& tolerances, const Limbs& limbs) {
+  std::vector<Source> sources = leading_sources(limbs);
   std::erase_if(sources, [&](Source source) { return tolerances.origin[source] == Origin::exact; });
   return sources;
 }
 
-std::vector<std::string> generous_keys(const Tolerances& tolerances, const Geometry& geometry) {
+std::vector<std::string> generous_keys(const Tolerances& tolerances, const Limbs& limbs) {
   std::vector<std::string> keys;
-  for (const Source source : leading_sources(geometry)) {
-    if (tolerances.origin[source] == Origin::generous) keys.push_back(file_key(source, geometry.actuator));
+  for (const Source source : leading_sources(limbs)) {
+    if (tolerances.origin[source] == Origin::generous) keys.push_back(file_key(source, actuator_of(limbs)));
   }
   return keys;
 }

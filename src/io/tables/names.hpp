@@ -39,13 +39,13 @@ inline constexpr const char* kCalibrationFormat = "paracal calibration 1";
 std::string file_key(Source source, Actuator actuator);
 
 /// One source a key, in column order: e_x stands for all of e.
-std::vector<Source> leading_sources(const Geometry& geometry);
+std::vector<Source> leading_sources(const Limbs& limbs);
 
 /// Those whose tolerances a file lists: all but what a table took for exact without listing it.
-std::vector<Source> listed_tolerances(const Tolerances& tolerances, const Geometry& geometry);
+std::vector<Source> listed_tolerances(const Tolerances& tolerances, const Limbs& limbs);
 
 /// Keys of those whose values nobody states.
-std::vector<std::string> generous_keys(const Tolerances& tolerances, const Geometry& geometry);
+std::vector<std::string> generous_keys(const Tolerances& tolerances, const Limbs& limbs);
 
 std::string_view distribution_name(Distribution distribution);
 std::optional<Distribution> distribution_named(std::string_view name);
