@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -132,6 +133,38 @@ TEST_P(NominalErrors, AreErrorsOfTheMachine) {
 PARACAL_ON_EVERY_ROBOT(NominalErrors);
 PARACAL_ON_UNUSUAL_ROBOTS(NominalErrors);
 PARACAL_ON_ROBOT_TEMPLATES(NominalErrors);
+
+/// Which way is outward of an upright rail does not follow its foot.
+TEST(Limbs, AnUprightRailKeepsItsNormalWhereItsFootIsMoved) {
+  LimbDescription rail;
+  rail.kind = Actuator::carriage;
+  rail.base = {200.0, 0.0, 0.0};
+  rail.axis = Eigen::Vector3d::UnitZ();
+  SourceErrors errors;
+  errors(0, "across") = 5.0;
+  const LimbDescription moved = with_errors({rail}, errors).front();
+  EXPECT_NEAR(moved.base.y(), -5.0, 1e-12);
+  EXPECT_LT((frame_of(moved) - frame_of(rail)).norm(), 1e-15);
+}
+
+/// Sines and cosines round; what a file states comes back as it was stated.
+TEST(Limbs, TheShortFormComesBackToTheLastDigit) {
+  for (int k = 0; k < 100; ++k) {
+    SharedDimensions stated{.base_radius = 187.3 + 0.1 * k,
+                            .plate_radius = 41.7,
+                            .arm = 301.9,
+                            .rod = 711.3,
+                            .parallelogram_width = 50.0,
+                            .limb_azimuth = {0.1 * k, 0.1 * k + 2.0, 0.1 * k - 2.1}};
+    stated.base_radius = std::round(10.0 * stated.base_radius) / 10.0;
+    const SharedDimensions found = *shared_dimensions(limbs_of(stated));
+    EXPECT_EQ(found.base_radius, stated.base_radius);
+    EXPECT_EQ(found.plate_radius, stated.plate_radius);
+    EXPECT_EQ(found.rod, stated.rod);
+    EXPECT_EQ(found.limb_azimuth, stated.limb_azimuth);
+    for (const Source source : all_sources()) EXPECT_EQ(found.differences(1, source), 0.0) << name(source);
+  }
+}
 
 TEST(Robot, HuangsDimensionsAreTable1) {
   const Robot robot = catalogue::huang2016();
