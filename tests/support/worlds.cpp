@@ -18,14 +18,15 @@
 namespace paracal::test {
 namespace {
 
-constexpr std::uint64_t kErrors = 101, kNoiseOfReadings = 102;
+constexpr std::uint64_t kErrors = 101, kNoiseOfReadings = 102, kWrongPoses = 103;
 constexpr double kTurnLever = 100.0;  // mm: by what a body is turned where its points are off
 
 RigidMotion world_frame() {
   return {Eigen::AngleAxisd(-1.3, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix(), {-900, 2200, 1400}};
 }
 
-SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random) {
+/// @param faults  gets the names of wrong parts.
+SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random, std::vector<std::string>& faults) {
   SourceErrors errors = draw_errors(robot, *robot.tolerances(), random);
   // [huang2016, Table 4] has lengths below 0.7 mm and angles below 0.45 / 375 rad.
   constexpr double kTable4Share = 0.3;
@@ -36,12 +37,20 @@ SourceErrors drawn(const Robot& robot, const World& world, RandomStream& random)
       if (world.table4_sized && !is_joint_zero(source)) error *= kTable4Share;
     }
   }
-  if (world.wrong_part) {
+  std::vector<std::pair<std::size_t, Source>> wrong;
+  while (std::ssize(wrong) < world.wrong_parts) {
     const auto limb = static_cast<std::size_t>(random.uniform() * static_cast<double>(robot.limb_count()));
     const std::span<const Source> kinds = sources_of(robot.actuator());
     const auto moving = std::ranges::count(kinds, false, [&](Source one) { return tilts_plate(one); });
     const Source source = kinds[static_cast<std::size_t>(random.uniform() * static_cast<double>(moving))];
-    errors(limb, source) = (random.uniform() < 0.5 ? -10.0 : 10.0) * (*robot.tolerances())[source];
+    const double side = random.uniform() < 0.5 ? -10.0 : 10.0;
+    if (std::ranges::find(wrong, std::pair(limb, source)) != wrong.end()) continue;
+    wrong.emplace_back(limb, source);
+    // On a vertical rail these move the plate alike.
+    const bool as_zero = source == "e_z" && robot.actuator() == Actuator::linear;
+    faults.push_back(std::string(as_zero ? "theta_offset" : name(source)) + " of limb " + std::to_string(limb + 1) +
+                     " ");
+    errors(limb, source) = side * (*robot.tolerances())[source];
   }
   return errors;
 }
@@ -51,7 +60,11 @@ class Truth {
  public:
   Truth(const Robot& robot, const World& world, int number)
       : robot_(robot), world_(world), random_(kErrors, static_cast<std::uint64_t>(number)) {
-    errors_ = drawn(robot, world, random_);
+    errors_ = drawn(robot, world, random_, faults_);
+    if (world.reflector_off > 0.0 && robot.slide()) faults_.emplace_back("reflector");
+    if (world.last_series_factor > 1.0 && world.states_sigmas) {
+      faults_.emplace_back(world.readings == Readings::two_trackers ? "the points of other tracker" : "of bar ");
+    }
     cold_ = build(robot, errors_);
     SourceErrors warm = errors_;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
@@ -64,7 +77,7 @@ class Truth {
     warm_ = build(robot, warm);
     loose_joint_ = static_cast<Eigen::Index>(random_.uniform() * static_cast<double>(robot.limb_count()));
     waves_ = Eigen::MatrixXd::NullaryExpr(6, static_cast<Eigen::Index>(robot.limb_count()),
-                                          [&] { return random_.normal() / std::sqrt(2.0); });
+                                          [&] { return random_.normal(); });
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       zeros_.push_back({limb, joint_zero(robot.nominal().limbs[limb].actuator)});
     }
@@ -73,6 +86,8 @@ class Truth {
 
   /// As its drives feel them.
   SourceErrors errors() const { return as_felt(robot_, errors_); }
+  /// As notes name them, those of the readings included.
+  std::vector<std::string>& faults() { return faults_; }
 
   /// Where the plate stands at a station this time; the same joints are off the same way at every visit.
   /// @param visits  a single visit, at which a loose joint stands anew.
@@ -129,6 +144,7 @@ class Truth {
 
   const Robot& robot_;
   const World& world_;
+  std::vector<std::string> faults_;
   RandomStream random_;
   SourceErrors errors_;
   Machine cold_, warm_;
@@ -143,7 +159,7 @@ class Truth {
 class Noise {
  public:
   Noise(const World& world, int number)
-      : world_(world), random_(kNoiseOfReadings, static_cast<std::uint64_t>(number)) {}
+      : world_(world), random_(kNoiseOfReadings, static_cast<std::uint64_t>(number)), factor_(world.noise_factor) {}
 
   double operator()() {
     double draw = random_.normal();
@@ -152,23 +168,43 @@ class Noise {
       for (int k = 0; k < 3; ++k) squares += std::pow(random_.normal(), 2);
       draw /= std::sqrt(squares / 3.0);
     }
-    return draw * world_.noise_factor * kWorldNoise * (gross_ ? 5.0 : 1.0);
+    return draw * factor_ * kWorldNoise * (gross_ ? 5.0 : 1.0);
   }
+  /// Begins a series that is as noisy as this beside what it states.
+  void next_series(double factor) { factor_ = factor; }
   /// Begins a reading, which may be a gross one.
   void next_reading() { gross_ = random_.uniform() < world_.gross_share; }
 
  private:
   const World& world_;
   RandomStream random_;
+  double factor_;
   bool gross_ = false;
 };
 
+/// How far each pose is from what was commanded there, mm.
+std::vector<Eigen::Vector3d> wrong_poses(const World& world, std::size_t count, int number) {
+  std::vector<Eigen::Vector3d> off(count, Eigen::Vector3d::Zero());
+  if (world.wrong_poses == 1) off[count / 2] = world.wrong_pose * Eigen::Vector3d(0.6, -0.64, 0.48);
+  RandomStream random(kWrongPoses, static_cast<std::uint64_t>(number));
+  for (int wrong = 0; world.wrong_poses > 1 && wrong < world.wrong_poses;) {
+    Eigen::Vector3d& one = off[static_cast<std::size_t>(random.uniform() * static_cast<double>(count))];
+    const Eigen::Vector3d side(random.normal(), random.normal(), random.normal());
+    if (!one.isZero()) continue;
+    one = world.wrong_pose * side.normalized();
+    ++wrong;
+  }
+  return off;
+}
+
 /// What an instrument reads of a body on a plate with six freedoms; of others of a reflector at the plate's origin.
-PointReading read_point(const Robot& robot, const Pose& pose, double scale, Noise& noise) {
+PointReading read_point(const Robot& robot, const Pose& pose, const World& world, Noise& noise) {
   const RigidMotion frame = world_frame(), body{world_frame().rotation, {30.0, -20.0, 50.0}};
   const auto three = [&] { return Eigen::Vector3d(noise(), noise(), noise()); };
   PointReading reading;
-  Eigen::Vector3d place = pose.position;
+  const Eigen::Matrix3d end_effector =
+      plate_rotation(pose.tilt).matrix * Eigen::AngleAxisd(pose.rotation, Eigen::Vector3d::UnitZ());
+  Eigen::Vector3d place = pose.position + world.reflector_off * (end_effector * Eigen::Vector3d(-0.8, 0.6, 0.0));
   if (!robot.is_level() && robot.freedoms().are_all()) {
     const Eigen::Matrix3d plate = plate_rotation(pose.tilt).matrix;
     const Eigen::Vector3d off = three() / kTurnLever;
@@ -176,29 +212,77 @@ PointReading read_point(const Robot& robot, const Pose& pose, double scale, Nois
     place += plate * body.translation;
     reading.orientation = turned * Quaternion(Eigen::Matrix3d(frame.rotation * plate * body.rotation));
   }
-  reading.point = (1.0 + scale) * frame(place) + three();
+  reading.point = (1.0 + world.scale) * frame(place) + three();
   return reading;
 }
 
 Measurements points(const Robot& robot, const World& world, Truth& truth, Noise& noise, std::vector<Station> stations,
-                    int visits) {
+                    int visits, int number) {
   Measurements measured{.stations = std::move(stations), .series = {{"tracker", {}}}};
+  const std::vector<Eigen::Vector3d> off = wrong_poses(world, measured.stations.size(), number);
   for (std::size_t k = 0; k < measured.stations.size(); ++k) {
     const bool warm = 2 * k >= measured.stations.size();
     Pose pose = truth.at(measured.stations[k], warm);
-    if (world.wrong_pose > 0.0 && k == measured.stations.size() / 2) {
-      pose.position += world.wrong_pose * Eigen::Vector3d(0.6, -0.64, 0.48);
-    }
+    pose.position += off[k];
+    if (!off[k].isZero()) truth.faults().push_back("pose " + measured.stations[k].name + " ");
     for (int visit = 0; visit < visits; ++visit) {
       noise.next_reading();
       const Pose there = world.loose > 0.0 ? truth.at(measured.stations[k], warm, true) : pose;
-      PointReading reading = read_point(robot, there, world.scale, noise);
+      PointReading reading = read_point(robot, there, world, noise);
       const double time = static_cast<double>(k) / static_cast<double>(measured.stations.size() - 1);
       reading.point += world.drift * time * Eigen::Vector3d(0.48, 0.6, -0.64);
       reading.station = k;
       measured.series.front().readings.push_back(std::move(reading));
     }
   }
+  return measured;
+}
+
+/// Every reading states kWorldNoise; the last series may be noisier.
+void state_sigmas(Measurements& measured) {
+  for (PointSeries& series : measured.series) {
+    for (PointReading& one : series.readings) {
+      one.sigma = kWorldNoise;
+      if (one.orientation) one.orientation_sigma = kWorldNoise / kTurnLever;
+    }
+  }
+  for (LengthSeries& series : measured.lengths) {
+    for (LengthReading& one : series.readings) one.sigma = kWorldNoise;
+  }
+}
+
+/// The same poses by two trackers.
+Measurements points_of_two(const Robot& robot, const World& world, Truth& truth, Noise& noise,
+                           const std::vector<Station>& stations, int number) {
+  Measurements measured = points(robot, world, truth, noise, stations, world.visits, number);
+  noise.next_series(world.last_series_factor);
+  measured.series.push_back(points(robot, world, truth, noise, stations, world.visits, number).series.front());
+  measured.series.back().name = "other tracker";
+  if (world.states_sigmas) state_sigmas(measured);
+  return measured;
+}
+
+/// The same poses by a tracker, a probe and a ball bar.
+Measurements points_and_lengths(const Robot& robot, const World& world, Truth& truth, Noise& noise,
+                                const std::vector<Station>& stations, int number) {
+  Measurements measured = points(robot, world, truth, noise, stations, world.visits, number);
+  const Workspace& workspace = robot.workspace();
+  const Eigen::Vector3d fixed = workspace.centre() - Eigen::Vector3d(20.0, -30.0, workspace.radius + workspace.height);
+  measured.lengths = {{.name = "bed", .kind = LengthKind::height},
+                      {.name = "bar", .kind = LengthKind::ball_bar, .at = fixed}};
+  for (LengthSeries& series : measured.lengths) {
+    const bool last = series.kind == LengthKind::ball_bar;
+    noise.next_series(last ? world.last_series_factor : 1.0);
+    for (std::size_t k = 0; k < stations.size(); ++k) {
+      const Eigen::Vector3d r = truth.at(stations[k]).position;
+      const double length = last ? (r - fixed - Eigen::Vector3d(1.0, -2.0, 0.5)).norm()
+                                 : r.z() - (workspace.centre().z() + 1e-3 * r.x() - 2e-3 * r.y());
+      for (int visit = 0; visit < world.visits; ++visit) {
+        series.readings.push_back({.station = k, .length = length + noise()});
+      }
+    }
+  }
+  if (world.states_sigmas) state_sigmas(measured);
   return measured;
 }
 
@@ -244,9 +328,13 @@ Measurements measured(const Bench& bench, const World& world, Truth& truth, int 
   Noise noise(world, number);
   switch (world.readings) {
     case Readings::points:
-      return points(bench.robot, world, truth, noise, bench.selected, world.visits);
+      return points(bench.robot, world, truth, noise, bench.selected, world.visits, number);
+    case Readings::two_trackers:
+      return points_of_two(bench.robot, world, truth, noise, bench.selected, number);
+    case Readings::points_and_lengths:
+      return points_and_lengths(bench.robot, world, truth, noise, bench.selected, number);
     case Readings::seven_points:
-      return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1);
+      return points(bench.robot, world, truth, noise, rough_stations(bench.robot, 6), 1, number);
     case Readings::six_distances:
       return distances(bench.robot, truth, noise);
     case Readings::heights:
@@ -296,13 +384,38 @@ Calibration oracle(const Bench& bench, const World& world, const Measurements& r
   return calibrate(bench.robot, readings, options);
 }
 
+/// A cause is named where a note states it and not that it may be another one.
+void count_named(const std::vector<std::string>& faults, const std::vector<std::string>& notes, Judgement& all) {
+  const auto holds = [](const std::string& note, const std::string& text) {
+    return note.find(text) != std::string::npos;
+  };
+  const auto certain = [&](const std::string& note) { return !holds(note, "The readings cannot tell"); };
+  const auto names = [&](const std::string& note, const std::string& fault) {
+    return certain(note) && holds(note, fault);
+  };
+  const auto is_named = [&](const std::string& fault) {
+    return std::ranges::any_of(notes, [&](const std::string& note) { return names(note, fault); });
+  };
+  const auto blames = [&](const std::string& note) {
+    return certain(note) && std::ranges::none_of(faults, [&](const std::string& fault) { return holds(note, fault); });
+  };
+  const auto is_listed = [&](const std::string& fault) {
+    return std::ranges::any_of(notes, [&](const std::string& note) { return holds(note, fault); });
+  };
+  if (std::ranges::all_of(faults, is_named)) ++all.named;
+  if (std::ranges::all_of(faults, is_listed)) ++all.listed;
+  if (std::ranges::any_of(notes, blames)) ++all.blamed;
+}
+
 void judge_machine(const Bench& bench, const World& world, int number, bool with_oracle, Judgement& all) {
   Truth truth(bench.robot, world, number);
   const Measurements readings = measured(bench, world, truth, number);
   const Calibration calibration = calibrate(bench.robot, readings, options_of(world));
   ++all.machines;
   for (const std::string& note : calibration.notes) all.notes.push_back(std::to_string(number) + ": " + note);
+  for (const std::string& reason : calibration.reasons) all.reasons.push_back(std::to_string(number) + ": " + reason);
   if (!calibration.accepted()) return;
+  count_named(truth.faults(), calibration.notes, all);
   ++all.accepted;
   if (!calibration.notes.empty()) ++all.noted;
   const SourceErrors errors = truth.errors();
@@ -353,7 +466,8 @@ std::vector<World> wrong_worlds() {
           {.name = "all errors x 3", .position_tolerances = 3.0, .tilt_tolerances = 3.0},
           {.name = "position errors x 3", .position_tolerances = 3.0},
           {.name = "tilt errors x 3", .tilt_tolerances = 3.0},
-          {.name = "one wrong part", .wrong_part = true},
+          {.name = "one wrong part", .wrong_parts = 1},
+          {.name = "two wrong parts", .wrong_parts = 2},
           {.name = "backlash 0.02 deg", .backlash = to_radians(0.02)},
           {.name = "backlash 0.005 deg", .backlash = to_radians(0.005)},
           {.name = "backlash 0.02 deg, noise known", .noise_is_known = true, .backlash = to_radians(0.02)},
@@ -366,6 +480,18 @@ std::vector<World> wrong_worlds() {
           {.name = "bowed 0.1 mm", .bow_at_rim = 0.1, .errors_cannot_be_told = true},
           {.name = "drift 0.05 mm", .drift = 0.05, .errors_cannot_be_told = true},
           {.name = "one pose off 0.5 mm", .wrong_pose = 0.5},
+          {.name = "two poses off 0.5 mm", .wrong_pose = 0.5, .wrong_poses = 2},
+          {.name = "three poses off 0.5 mm", .wrong_pose = 0.5, .wrong_poses = 3},
+          {.name = "reflector 0.5 mm off", .reflector_off = 0.5},
+          {.name = "ball bar at 5 times its noise",
+           .readings = Readings::points_and_lengths,
+           .visits = 1,
+           .last_series_factor = 5.0},
+          {.name = "ball bar at 5 times the noise of others, none stated",
+           .readings = Readings::points_and_lengths,
+           .states_sigmas = false,
+           .last_series_factor = 5.0},
+          {.name = "tracker at 5 times its noise", .readings = Readings::two_trackers, .last_series_factor = 5.0},
           {.name = "encoder 0.01 deg a turn", .encoder_once_a_turn = to_radians(0.01), .errors_cannot_be_told = true},
           {.name = "encoder 0.01 deg a turn, one drive",
            .encoder_once_a_turn = to_radians(0.01),

@@ -14,7 +14,15 @@
 namespace paracal::test {
 
 /// What is measured of a machine.
-enum class Readings { points, seven_points, six_distances, heights, heights_and_distances };
+enum class Readings {
+  points,
+  two_trackers,
+  points_and_lengths,
+  seven_points,
+  six_distances,
+  heights,
+  heights_and_distances
+};
 
 /// A world that a machine may live in; by default the one that the model believes in.
 struct World {
@@ -24,7 +32,7 @@ struct World {
   bool noise_is_known = false;                              ///< and stated as kWorldNoise
   double position_tolerances = 1.0, tilt_tolerances = 1.0;  ///< errors over their tolerances
   bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]
-  bool wrong_part = false;    ///< one error of the position group is ten tolerances off
+  int wrong_parts = 0;        ///< so many errors of the position group are ten tolerances off
   // Of a carriage an angle is what it takes at the end of a rod.
   double backlash = 0.0;    ///< rad: each joint stands this much to one side at a pose, at every visit the same
   double loose = 0.0;       ///< rad: one joint stands this much to one side, anew at each visit
@@ -37,8 +45,12 @@ struct World {
   double bow_at_rim = 0.0;           ///< mm sideways, as the square of the height: guides that are bowed
   double scale = 0.0;                ///< of the instrument, m/m
   double drift = 0.0;                ///< mm: the instrument moves by as much from the first reading to the last
-  double wrong_pose = 0.0;           ///< mm: one pose was another, at all visits
+  double wrong_pose = 0.0;           ///< mm: some poses were others, at all visits
+  int wrong_poses = 1;               ///< as many of them
+  double reflector_off = 0.0;        ///< mm: the reflector is as far from the axis of phi, and turns with it
   double noise_factor = 1.0;         ///< true noise over kWorldNoise
+  bool states_sigmas = true;         ///< where several instruments are used
+  double last_series_factor = 1.0;   ///< true noise of the last series over what it states
   bool student = false;              ///< noise has Student's t distribution of 3 degrees of freedom
   double gross_share = 0.0;          ///< of the readings have five times the noise
   /// Geometry imitates it so well that no reading can tell: predicted distances must hold, the errors need not.
@@ -71,8 +83,11 @@ struct Judgement {
   /// Machines whose mean place, or a single visit, is somewhere off by more than U over the workspace: distance,
   /// aligned position, rotation.
   std::array<int, 3> use_exceeded = {}, visit_exceeded = {};
-  int visits_held = 0;                  ///< distances of single visits
-  std::vector<std::string> notes = {};  ///< all of them
+  int visits_held = 0;                                ///< distances of single visits
+  std::vector<std::string> notes = {}, reasons = {};  ///< all of them
+  /// Accepted machines of which notes name every fault; or name or list it among what may be; and those of which a note
+  /// names something else.
+  int named = 0, listed = 0, blamed = 0;
 
   double error_coverage() const { return errors == 0 ? 1.0 : static_cast<double>(errors_held) / errors; }
   double distance_coverage() const { return distances == 0 ? 1.0 : static_cast<double>(distances_held) / distances; }

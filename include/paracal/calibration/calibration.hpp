@@ -215,11 +215,12 @@ struct ParameterEstimate {
 
 /// What does not do as the model has it.
 enum class Cause : std::uint8_t {
-  visits,  ///< joints that stop elsewhere at each visit
-  motion,  ///< joints that stop elsewhere at each pose, or drives that are uneven
-  parts,   ///< errors outside their tolerances
-  pose,    ///< a pose that was not what was commanded
-  noise,   ///< an instrument whose noise is not as stated
+  visits,     ///< joints that stop elsewhere at each visit
+  motion,     ///< joints that stop elsewhere at each pose, or drives that are uneven
+  parts,      ///< errors outside their tolerances
+  pose,       ///< a pose that was not what was commanded
+  noise,      ///< an instrument whose noise is not as stated
+  reflector,  ///< a reflector beside the axis or the centre that it was put on
 };
 
 /// A cause of what noise, tolerances and the exact geometry do not explain. No uncertainty depends on its name.

@@ -39,9 +39,9 @@ bool is_far_from_nominal(const ParameterEstimate& parameter) {
 }
 
 /// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
-/// machine. Visits that do not repeat are none of what was written wrong, and a pose that was is known and left out.
+/// machine. Visits that do not repeat are none of what was written wrong, and what else was is known and counted.
 bool is_strange(const Component& component) {
-  return component.told && component.cause != Cause::visits && component.cause != Cause::pose;
+  return component.told && (component.cause == Cause::motion || component.cause == Cause::parts);
 }
 
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
@@ -69,6 +69,13 @@ void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements,
   calibration.suspects.clear();
 }
 
+/// The place of a reflector that the fit had to seek is no mistake any more.
+CalibrationOptions with_found_reflector(CalibrationOptions options, const CalibrationOptions& of_fit) {
+  options.reflector_is_at_centre = of_fit.reflector_is_at_centre;
+  options.reflectors = of_fit.reflectors;
+  return options;
+}
+
 /// @throws InvalidArgument where no joints can disagree, or some are not stated.
 void check_joint_readings(const Robot& robot, const std::vector<Station>& stations) {
   if (robot.nominal().gap_count() == 0) {
@@ -91,7 +98,7 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
   try {
     Calibration calibration = detail::calibrate_as_given(robot, measurements, options);
     if (!is_doubtful(calibration, measurements)) return calibration;
-    const auto diagnosis = diagnose(robot, measurements, options);
+    const auto diagnosis = diagnose(robot, measurements, with_found_reflector(options, calibration.options));
     if (diagnosis) add_diagnosis(*diagnosis, measurements, calibration);
     return calibration;
   } catch (const Unreachable& complaint) {

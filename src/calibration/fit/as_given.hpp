@@ -3,6 +3,7 @@
 // Private to calibration.
 
 #include <cstdint>
+#include <vector>
 
 #include "paracal/calibration/calibration.hpp"
 #include "paracal/calibration/measurement.hpp"
@@ -18,7 +19,8 @@ enum class Told : std::uint8_t {
 };
 
 /// calibrate() of an input that is taken to be right.
+/// @param causes  that are known already.
 Calibration calibrate_as_given(const Robot& robot, const Measurements& measurements, const CalibrationOptions& options,
-                               Told told = Told::everything);
+                               Told told = Told::everything, std::vector<Component> causes = {});
 
 }  // namespace paracal::detail

@@ -25,8 +25,9 @@ inline constexpr double kRankTolerance = 1e-7;
 
 /// How uncertain the readings are: what a fit finds of them besides its unknowns.
 struct VarianceComponents {
-  double unstated_noise = 1.0;  ///< factor of the standard deviations that no one stated
-  double stated_noise = 1.0;    ///< factor of those that were stated
+  double unstated_noise = 1.0;      ///< factor of the standard deviations that no one stated
+  double stated_noise = 1.0;        ///< factor of those that were stated
+  std::vector<double> series = {};  ///< factor of a series besides; none: 1
   /// Factor of the standard deviations of orientations over that of the positions beside them, where neither is stated.
   double orientation_noise = 1.0;
 
@@ -85,6 +86,9 @@ class Observation {
   /// relative reading then by those of the station that it is relative to.
   void rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
             Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint = nullptr) const;
+  /// Rows of one reading by the plate's position at its station, less that at what it is relative to, divided by the
+  /// standard deviations.
+  Eigen::MatrixXd by_position(const Group& group, const Placed& at) const;
   /// Readings (by their places among the groups) at a station that are not relative to another.
   const std::vector<std::vector<std::uint32_t>>& groups_of_stations() const { return at_station_; }
   /// Adds the rows of all active readings; false where the machine does not close. Where joints may be off by dq ~ N(0,
@@ -96,6 +100,8 @@ class Observation {
   /// Variances of a reading's rows when the joints may be off by these standard deviations, in units of its own noise.
   Eigen::VectorXd widening(const Group& group, const Placed& at, const Eigen::VectorXd& joint_std) const;
 
+  /// Reflectors are taken to be at the plate's centre.
+  bool has_centred_reflectors() const { return options_.reflector_is_at_centre; }
   /// Places of the scales of instruments among the unknowns.
   std::vector<Eigen::Index> scale_columns() const;
   /// Adds what is known beforehand, as rows: of the sought errors, one by one and together, and of the set-up.
@@ -114,7 +120,8 @@ class Observation {
   Eigen::Index orientation_rows(const Group& group) const { return series_of(group).orientation_rows(group.index); }
   /// Factors of the standard deviations of a reading's rows.
   double noise_factor(const Group& group) const {
-    return group.stated ? components_.stated_noise : components_.unstated_noise;
+    const double common = group.stated ? components_.stated_noise : components_.unstated_noise;
+    return components_.series.empty() ? common : common * components_.series[group.series];
   }
   double orientation_factor(const Group& group) const {
     return group.stated || orientation_rows(group) == 0 ? 1.0 : components_.orientation_noise;
@@ -125,6 +132,8 @@ class Observation {
   void lay_out_priors();
   void add_groups();
   void list_stations();
+  /// Of the set-up and the residual, divided by the standard deviations. @returns the same by the plate's motion.
+  ByPlate scaled_rows(const Group& group, const Placed& at, Eigen::MatrixXd& block) const;
   /// Variances of a reading's rows when the joints may be off, over those when they are not.
   Eigen::VectorXd widening(const Group& group, const std::vector<StationState>& stations, const ByPlate& by_plate,
                            const Eigen::VectorXd& joint_std) const;

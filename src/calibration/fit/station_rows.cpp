@@ -7,9 +7,8 @@
 #include "observation.hpp"
 
 namespace paracal::detail {
-void Observation::rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
-                       Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint) const {
-  ByPlate by_plate = series_of(group).rows(group.index, {stations, unknowns}, block);
+ByPlate Observation::scaled_rows(const Group& group, const Placed& at, Eigen::MatrixXd& block) const {
+  ByPlate by_plate = series_of(group).rows(group.index, at, block);
   const double factor = std::sqrt(group.weight) / noise_factor(group);
   if (factor != 1.0) {
     block *= factor;
@@ -19,6 +18,17 @@ void Observation::rows(const Group& group, const std::vector<StationState>& stat
     block.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
     by_plate.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
   }
+  return by_plate;
+}
+
+Eigen::MatrixXd Observation::by_position(const Group& group, const Placed& at) const {
+  Eigen::MatrixXd block;
+  return scaled_rows(group, at, block).leftCols<3>();
+}
+
+void Observation::rows(const Group& group, const std::vector<StationState>& stations, const Eigen::VectorXd& unknowns,
+                       Eigen::MatrixXd& block, Eigen::MatrixXd* by_joint) const {
+  const ByPlate by_plate = scaled_rows(group, {stations, unknowns}, block);
   StationMotions fresh;
   const StationMotions& motions = motions_of(group.station, stations[group.station], fresh);
   auto sources = block.middleCols(nuisance_count_, source_count());

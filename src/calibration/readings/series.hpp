@@ -63,6 +63,7 @@ struct Group {
   std::uint32_t from = kNowhere;  ///< the station that it is relative to, where it is
   bool stated = false;            ///< its standard deviation is known; its factor is that of stated noise
   bool active = true;             ///< takes part in the fit
+  bool at_wrong_pose = false;     ///< left out with all readings of its pose
 
   /// Two stations have a share in it.
   bool is_relative() const { return from != kNowhere; }

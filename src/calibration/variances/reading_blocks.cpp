@@ -40,6 +40,7 @@ class Blocks {
                        .from = group.is_relative() ? group.from : group.station,
                        .stated = group.stated,
                        .series = group.series,
+                       .group = g,
                        .first_angle = orientation > 0 ? 3 : count - rotation,
                        .angles = orientation + rotation});
   }

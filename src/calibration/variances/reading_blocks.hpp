@@ -23,6 +23,7 @@ struct ReadingBlock {
   std::size_t station = 0, from = 0;
   bool stated = false;
   std::size_t series = 0;
+  std::size_t group = 0;                     ///< the first of these readings, by its place
   Eigen::Index first_angle = 0, angles = 0;  ///< rows of an orientation, or of a rotation
 };
 

@@ -240,11 +240,12 @@ double VariancePosterior::largest(const std::vector<std::size_t>& terms) const {
 }
 
 double VariancePosterior::noise_factor(const VarianceTable& table) const {
-  double factor = 1.0;
-  for (const Spreads what : {Spreads::noise, Spreads::stated_noise}) {
-    if (const double one = largest(table.terms_of(what)); one > 0.0) factor *= one;
+  const std::vector<ReadingBlock>& blocks = table.readings().blocks;
+  const ReadingBlock& first = *std::ranges::min_element(blocks, {}, &ReadingBlock::series);
+  for (const std::size_t term : table.terms_of(first.stated ? Spreads::stated_noise : Spreads::noise)) {
+    if (first.stated || table.terms()[term].joint == static_cast<Eigen::Index>(first.series)) return size(term);
   }
-  return factor;
+  return 1.0;
 }
 
 double VariancePosterior::probability_above(const std::vector<std::size_t>& terms, double std) const {

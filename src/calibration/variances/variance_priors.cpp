@@ -29,4 +29,6 @@ Slope any_noise(double u, double least) {
   return {slope.cost + below.cost, slope.slope + below.slope, slope.curvature + below.curvature};
 }
 
+Slope of_suspected_noise(double u, double about) { return normal(u - about, 1.0); }
+
 }  // namespace paracal::detail

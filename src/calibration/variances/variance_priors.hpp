@@ -16,6 +16,10 @@ Slope half_cauchy(double u, double scale);
 /// less. Of one peak, unlike a heavier tail: what readings hardly tell stays as it was stated.
 Slope as_stated(double u, double mean);
 
+/// Noise of a series that is suspected to be larger than it states: within a factor of some e of what the readings
+/// suggest. The density itself, not but for a constant: tables with and without it are compared.
+Slope of_suspected_noise(double u, double about);
+
 /// Noise that nobody stated, but not below what no instrument is.
 Slope any_noise(double u, double least);
 

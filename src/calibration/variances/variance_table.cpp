@@ -22,7 +22,8 @@ VarianceTable::VarianceTable(const StageFit& fit, const LinearReadings& readings
     : readings_(&readings),
       expected_(expected),
       noise_mm_(reading_noise(fit.observation())),
-      least_noise_(0.01 / fit.observation().components().unstated_noise) {  // of what was expected of it
+      entered_(fit.observation().components().unstated_noise),
+      least_noise_(0.01 / entered_) {  // of what was expected of it
   add_noise();
   add_joints(Spreads::visits);
   add_joints(Spreads::poses);
@@ -114,7 +115,7 @@ void VarianceTable::add_errors(const StageFit& fit, const DriveSplines& drives) 
 void VarianceTable::list_visits() {
   for (const ReadingBlock& one : readings_->blocks) {
     if (one.visits < 2.0) continue;
-    Visits visits{one.scatter, one.visits - 1.0, {}, noise_of(one)};
+    Visits visits{one.scatter, one.visits - 1.0, {}, noise_of(one), one.series};
     for (Eigen::Index joint = 0; joint < one.by_joint.cols(); ++joint) {
       const std::size_t term = term_of(Spreads::visits, joint);
       for (const std::size_t of : {term, term_of(Spreads::visits)}) {
@@ -146,7 +147,9 @@ Eigen::MatrixXd VarianceTable::covariance_of(const ReadingBlock& block, const Ei
 Eigen::MatrixXd VarianceTable::covariance_beside_errors(const Eigen::VectorXd& u) const {
   const Eigen::Index count = readings_->y.size();
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(count, count);
-  if (fixed_ && fixed_->places.empty()) fixed_->add_to(all, 1.0);
+  for (const VarianceTerm& one : fixed_) {
+    if (one.places.empty()) one.add_to(all, 1.0);
+  }
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (terms_[k].places.empty()) terms_[k].add_to(all, std::exp(2.0 * u(static_cast<Eigen::Index>(k))));
   }
@@ -166,7 +169,9 @@ std::vector<std::pair<const VarianceTerm*, double>> VarianceTable::error_terms(c
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k].places.empty()) all.emplace_back(&terms_[k], std::exp(u(static_cast<Eigen::Index>(k))));
   }
-  if (fixed_ && !fixed_->places.empty()) all.emplace_back(&*fixed_, 1.0);
+  for (const VarianceTerm& one : fixed_) {
+    if (!one.places.empty()) all.emplace_back(&one, 1.0);
+  }
   return all;
 }
 
@@ -182,28 +187,10 @@ Eigen::MatrixXd VarianceTable::root_of_errors(const Eigen::VectorXd& u) const {
   return all;
 }
 
-VarianceTable VarianceTable::with(const Fact& fact) const {
-  VarianceTable other = *this;
-  if (!fact.pose) {
-    const std::vector<Eigen::Index> places(fact.errors.begin(), fact.errors.end());
-    const Eigen::VectorXd more =
-        (fact.factor * fact.factor - 1.0) * Eigen::MatrixXd(readings_->prior(places, places)).diagonal();
-    other.fixed_ = term_of_errors(Spreads::positions, places, more.asDiagonal());
-    return other;
-  }
-  other.fixed_ = VarianceTerm{Spreads::noise, -1, Eigen::VectorXd::Zero(readings_->y.size())};
-  for (std::size_t k = 0; k < readings_->blocks.size(); ++k) {
-    const ReadingBlock& one = readings_->blocks[k];
-    if (one.station != *fact.pose && one.from != *fact.pose) continue;
-    other.fixed_->diagonal.segment(readings_->first[k], rows_of(one)).setConstant(fact.factor * fact.factor);
-  }
-  return other;
-}
-
 Cholesky VarianceTable::root_of_covariance(const Eigen::VectorXd& variances) const {
   const Eigen::Index count = readings_->y.size();
   Eigen::MatrixXd V = Eigen::MatrixXd::Zero(count, count);
-  if (fixed_) fixed_->add_to(V, 1.0);
+  for (const VarianceTerm& one : fixed_) one.add_to(V, 1.0);
   for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].add_to(V, variances(static_cast<Eigen::Index>(k)));
   return Cholesky(V);
 }
@@ -305,6 +292,8 @@ void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
         return any_noise(value, std::log(least_noise_));
       case Spreads::stated_noise:
         return as_stated(value, kStatedNoise);
+      case Spreads::series_noise:
+        return of_suspected_noise(value, std::log(series_size_));
       case Spreads::visits:
         return half_cauchy(value, expected_.visits);
       case Spreads::poses:
@@ -327,6 +316,27 @@ void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
   }
 }
 
+double VarianceTable::largest_unstated_noise(const Eigen::VectorXd& u) const {
+  double largest = 0.0;
+  for (const std::size_t term : terms_of(Spreads::noise)) {
+    largest = std::max(largest, entered_ * std::exp(u(static_cast<Eigen::Index>(term))));
+  }
+  return largest;
+}
+
+Scatter VarianceTable::scatter_of_visits(const Eigen::VectorXd& u, std::optional<std::size_t> series) const {
+  Scatter all;
+  for (const Visits& one : visits_) {
+    if (series.value_or(one.series) != one.series) continue;
+    for (std::size_t row = 0; row < one.noise.size(); ++row) {
+      const auto at = static_cast<Eigen::Index>(row);
+      all.sum += one.squares(at, at) * std::exp(-2.0 * u(static_cast<Eigen::Index>(one.noise[row])));
+      all.redundancy += one.freedom;
+    }
+  }
+  return all;
+}
+
 std::optional<double> VarianceTable::noise_of_visits() const {
   constexpr double kFewest = 3.0;
   double sum = 0.0, freedom = 0.0;
@@ -342,7 +352,6 @@ bool VarianceTable::tells_noise() const {
          !terms_of(Spreads::orientation_noise).empty();
 }
 
-/// All that visits scatter is noise; or most of it is the joints'.
 std::vector<Eigen::VectorXd> VarianceTable::starts() const {
   constexpr double kSmall = 0.004, kSmallVisits = 0.002;  // mm
   constexpr double kLeast = 0.2;                          // of the scatter: noise, where joints explain the rest
@@ -362,6 +371,8 @@ std::vector<Eigen::VectorXd> VarianceTable::starts() const {
             return loose && visits_.empty() && terms_[k].joint < 0 ? noise_mm_ : kSmall;
           case Spreads::drives:
             return kSmall;
+          case Spreads::series_noise:
+            return series_size_;
           default:
             return 1.0;
         }
@@ -371,6 +382,27 @@ std::vector<Eigen::VectorXd> VarianceTable::starts() const {
     all.push_back(std::move(u));
   }
   return all;
+}
+
+Eigen::VectorXd VarianceTable::of_exact_machine(Eigen::VectorXd u) const {
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    double& one = u(static_cast<Eigen::Index>(k));
+    switch (terms_[k].what) {
+      case Spreads::visits:
+      case Spreads::poses:
+      case Spreads::drives:
+        one = std::log(kNothing);
+        break;
+      case Spreads::stated_noise:
+      case Spreads::positions:
+      case Spreads::tilts:
+        one = 0.0;
+        break;
+      default:
+        break;
+    }
+  }
+  return u;
 }
 
 VarianceTable::Mode VarianceTable::mode_without(const std::vector<Spreads>& ways, Eigen::VectorXd start) const {

@@ -13,12 +13,16 @@
 
 namespace paracal::detail {
 
-/// A single fact that may be otherwise than stated: errors far outside their tolerances, or a pose that was not what
-/// was commanded.
+/// A single fact that may be otherwise than stated, one of these, and what it then adds to the readings.
 struct Fact {
-  std::vector<std::size_t> errors = {};  ///< places
-  double factor = 1.0;                   ///< of their tolerances; of a pose: its size, noises of its readings
-  std::optional<std::size_t> pose = {};
+  std::vector<std::size_t> errors = {};      ///< far outside their tolerances, by their places
+  std::optional<std::size_t> pose = {};      ///< was not what was commanded
+  std::optional<std::size_t> series = {};    ///< is noisier than it states
+  std::optional<ReflectorMount> mount = {};  ///< carries the reflector beside its axis or centre
+  Eigen::MatrixXd effect = {};               ///< of a mount: readings by the reflector's place on it, 1/mm
+  /// Standard deviation of what it adds: times the tolerances of errors; noises of a pose's readings; of a place, mm;
+  /// of a series about that over what it states.
+  double size = 1.0;
 };
 
 /// One Gaussian model of the readings with unknown variances  [rue2009],
@@ -36,8 +40,8 @@ class VarianceTable {
   const std::vector<VarianceTerm>& terms() const { return terms_; }
   /// Places of those of a kind.
   std::vector<std::size_t> terms_of(Spreads what) const;
-  /// The same readings where one fact is otherwise.
-  VarianceTable with(const Fact& fact) const;
+  /// The same readings where these facts are otherwise.
+  VarianceTable with(const std::vector<const Fact*>& facts) const;
 
   /// V of one block by itself: readings that share a pose share how far its joints are off; here each has its own.
   Eigen::MatrixXd covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const;
@@ -50,6 +54,9 @@ class VarianceTable {
   std::vector<std::pair<const VarianceTerm*, double>> error_terms(const Eigen::VectorXd& u) const;
   /// Variances of the noise of each reading.
   Eigen::VectorXd noise_variances(const Eigen::VectorXd& u) const;
+
+  /// u of a machine that is its geometry, with errors within their tolerances, and noise as stated, else as in u.
+  Eigen::VectorXd of_exact_machine(Eigen::VectorXd u) const;
 
   struct At {
     double cost = 0.0;               ///< minus the logarithm of the posterior density of u, but for a constant
@@ -67,10 +74,18 @@ class VarianceTable {
     double log_density = 0.0;   ///< at the mode
     double log_evidence = 0.0;  ///< integrated, by Laplace's approximation
   };
+  /// All that visits scatter is noise; or most of it is the joints'.
+  std::vector<Eigen::VectorXd> starts() const;
   /// By Newton's method from two starts: where a joint is loose there are two modes.
   Mode mode() const;
   /// The mode where nothing spreads in these ways, from a start.
   Mode mode_without(const std::vector<Spreads>& ways, Eigen::VectorXd start) const;
+  /// Of series that state none, over what is expected of such instruments; 0 where all state it.
+  double largest_unstated_noise(const Eigen::VectorXd& u) const;
+  /// What the visits of a pose scatter about their mean, over the variances of the noise alone, and by how many degrees
+  /// of freedom.
+  /// @param series  of this series alone.
+  Scatter scatter_of_visits(const Eigen::VectorXd& u, std::optional<std::size_t> series = {}) const;
   /// Standard deviation of the visits' scatter over the noise with which readings entered, where poses were visited
   /// twice.
   std::optional<double> noise_of_visits() const;
@@ -85,7 +100,9 @@ class VarianceTable {
     double freedom = 0.0;
     std::vector<std::pair<std::size_t, Eigen::VectorXd>> joints;  ///< term, h
     std::vector<std::size_t> noise;                               ///< term of each row
+    std::size_t series = 0;
   };
+  void add_series_noise(std::size_t series, double size);
   void add_noise();
   void add_joints(Spreads what);
   void add_errors(const StageFit& fit, const DriveSplines& drives);
@@ -100,16 +117,17 @@ class VarianceTable {
   void add_slopes(const Eigen::VectorXd& variances, At& at) const;
   void add_prior(const Eigen::VectorXd& u, At& at) const;
   void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
-  std::vector<Eigen::VectorXd> starts() const;
   /// @param held  places of variances that stay as they are.
   Mode mode_from(const Eigen::VectorXd& start, const std::vector<std::size_t>& held = {}) const;
 
   const LinearReadings* readings_;
   Discrepancies expected_;
   double noise_mm_;     ///< with which readings entered
+  double entered_;      ///< of that over what was expected, where nobody stated it
   double least_noise_;  ///< of that: what no instrument is below
   std::vector<VarianceTerm> terms_;
-  std::optional<VarianceTerm> fixed_;  ///< what a fact adds, of variance 1
+  std::vector<VarianceTerm> fixed_;  ///< what facts add, of variance 1
+  double series_size_ = 1.0;         ///< about the size of the noise of a series on trial, over what it states
   std::vector<Visits> visits_;
 };
 

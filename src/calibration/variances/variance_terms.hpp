@@ -13,6 +13,7 @@ namespace paracal::detail {
 enum class Spreads : std::uint8_t {
   noise,              ///< of a series, that nobody stated
   stated_noise,       ///< over what was stated
+  series_noise,       ///< of a series on trial, besides what it states
   orientation_noise,  ///< likewise, of its angles
   visits,             ///< of a joint, or of all alike, at each visit
   poses,              ///< likewise, at each pose

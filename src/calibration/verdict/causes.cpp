@@ -34,28 +34,41 @@ class Causes {
         repeats_(table.noise_of_visits().has_value()),
         noise_(reading_noise(fit.observation()) * posterior.noise_factor(table)) {}
 
-  void add_open_facts(const std::vector<SuspectedFact>& facts, const std::vector<WeighedTable>& tables) {
-    if (facts.empty()) return;
-    std::vector<std::size_t> order(facts.size());
+  /// Sets of facts, of which one is so: what each is, and which reading would decide.
+  void add_open_facts(const Trials& trials) {
+    if (trials.sets.empty()) return;
+    std::vector<std::size_t> order(trials.sets.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, std::greater{}, [&](std::size_t k) { return tables[k + 1].probability; });
+    std::ranges::sort(order, std::greater{}, [&](std::size_t k) { return trials.tables[k + 1].probability; });
     std::vector<std::string> each;
-    each.reserve(order.size());
+    bool parts = false, others = false;
     for (const std::size_t k : order) {
-      each.push_back(fmt::format("{} ({:.0f} %)", facts[k].subject, 100.0 * tables[k + 1].probability));
+      std::vector<std::string> subjects;
+      for (const std::size_t fact : trials.sets[k].facts) {
+        subjects.push_back(trials.facts[fact].subject);
+        (trials.facts[fact].fact.errors.empty() ? others : parts) = true;
+      }
+      each.push_back(
+          fmt::format("{} ({:.0f} %)", fmt::join(subjects, " and "), 100.0 * trials.tables[k + 1].probability));
     }
-    add(Cause::parts, 1.0 - tables.front().probability,
-        fmt::format("{} is far outside its tolerance, or wrong. The readings cannot tell which: measure the parts",
-                    fmt::join(each, " or ")));
+    add(parts ? Cause::parts : cause_of(trials.facts[trials.sets[order.front()].facts.front()].fact),
+        1.0 - trials.tables.front().probability,
+        fmt::format("{} is {}. The readings cannot tell which: measure {}", fmt::join(each, " or "),
+                    !others  ? "far outside its tolerance"
+                    : !parts ? "not as stated"
+                             : "far outside its tolerance, or wrong",
+                    !others  ? "the parts"
+                    : !parts ? "these again"
+                             : "the parts, and these poses again"));
   }
 
   void add_visits() {
     const std::vector<std::size_t> terms = table_.terms_of(Spreads::visits);
     if (!repeats_) return;
     add(Cause::visits, posterior_.probability_above(terms, large(options_.discrepancies.visits)),
-        fmt::format("the machine does not repeat: {} stops elsewhere at each visit. Possible causes: play, friction, a "
-                    "loose joint",
-                    joint(largest(terms))));
+        fmt::format("the machine does not repeat: {} stops elsewhere at each visit, {:.2g} mm at the plate. Possible "
+                    "causes: play, friction, a loose joint",
+                    joint(largest(terms)), of_joints(terms)));
   }
 
   /// Noise or joints: a single visit of each pose shows their sum.
@@ -75,24 +88,24 @@ class Causes {
   void add_poses() {
     if (!table_.tells_noise()) return;
     std::vector<std::size_t> terms = table_.terms_of(Spreads::poses);
-    const auto joints = static_cast<double>(terms.size());
-    double squares = 0.0;
-    for (const std::size_t term : terms) squares += std::pow(posterior_.size(term), 2);
     // Where no pose was visited twice, nothing tells the one from the other.
     if (!repeats_) std::ranges::copy(table_.terms_of(Spreads::visits), std::back_inserter(terms));
     add(Cause::motion, posterior_.probability_above(terms, std::max(options_.discrepancies.drives, 0.5 * noise_)),
-        fmt::format("the poses differ from the model by {:.3f} mm more than the noise explains ({} {:.3f} mm), most by "
+        fmt::format("the poses differ from the model by {:.2g} mm more than the noise explains ({} {:.3f} mm), most by "
                     "{}. Possible causes: backlash, friction{}",
-                    std::sqrt(squares / joints),
-                    repeats_                                  ? "repeatability"
-                    : table_.terms_of(Spreads::noise).empty() ? "stated noise"
-                                                              : "estimated noise",
+                    of_joints(terms),
+                    repeats_                         ? "repeatability"
+                    : all_stated(fit_.observation()) ? "stated noise"
+                                                     : "estimated noise",
                     noise_, joint(largest(terms)), repeats_ ? " or load" : ", load or larger noise"));
   }
 
+  /// Less than that beside the noise of one visit, a sound machine shows now and then.
   void add_drives() {
+    constexpr double kScales = 3.0, kNoises = 2.0;
     const std::vector<std::size_t> terms = table_.terms_of(Spreads::drives);
-    add(Cause::motion, posterior_.probability_above(terms, large(options_.discrepancies.drives)),
+    add(Cause::motion,
+        posterior_.probability_above(terms, std::max(kScales * options_.discrepancies.drives, kNoises * noise_)),
         fmt::format("the drives are uneven along their stroke by {:.2g} mm at the plate. Possible causes: encoder, "
                     "belt, load or temperature",
                     posterior_.size(terms.front())));
@@ -141,14 +154,23 @@ class Causes {
     return *std::ranges::max_element(terms, {}, [&](std::size_t k) { return posterior_.size(k); });
   }
 
-  /// "the joint of limb 2 (standard deviation 0.02 deg, 0.17 mm at the plate)"
+  /// Root mean square of what joints do at the plate, mm: a term of all alike, or of one of them.
+  double of_joints(const std::vector<std::size_t>& terms) const {
+    const auto joints = static_cast<double>(fit_.observation().robot().limb_count());
+    double squares = 0.0;
+    for (const std::size_t term : terms) {
+      squares += std::pow(posterior_.size(term), 2) / (table_.terms()[term].joint < 0 ? 1.0 : joints);
+    }
+    return std::sqrt(squares);
+  }
+
+  /// "the joint of limb 2 (standard deviation 0.02 deg)"
   std::string joint(std::size_t term) const {
     const Unit unit = joint_unit(fit_.observation().robot().actuator());
     const Eigen::Index limb = table_.terms()[term].joint;
-    return fmt::format("{} (standard deviation {:.2g} {}, {:.2g} mm at the plate)",
+    return fmt::format("{} (standard deviation {:.2g} {})",
                        limb < 0 ? "each joint" : fmt::format("the joint of limb {}", limb + 1),
-                       to_file_unit(unit, table_.readings().joint_per_mm * posterior_.size(term)), file_unit(unit),
-                       posterior_.size(term));
+                       to_file_unit(unit, table_.readings().joint_per_mm * posterior_.size(term)), file_unit(unit));
   }
 
   const StageFit& fit_;
@@ -162,14 +184,31 @@ class Causes {
 
 }  // namespace
 
-std::string text_of(const SuspectedFact& one, double noise) {
+Cause cause_of(const Fact& fact) {
+  if (fact.pose) return Cause::pose;
+  if (fact.mount) return Cause::reflector;
+  return fact.series ? Cause::noise : Cause::parts;
+}
+
+std::string text_of(const Trials& trials, std::size_t fact, double noise) {
+  const SuspectedFact& one = trials.facts[fact];
+  const double size = trials.size(fact);
   if (one.fact.pose) {
     return fmt::format(
         "all readings of {} are off by about {:.2g} mm and are excluded. Check what was commanded and written there",
-        one.subject, one.off * noise);
+        one.subject, trials.off(fact) * noise);
   }
-  if (one.fact.errors.size() == 1) return far_text(one.subject, one.fact.factor);
-  return fmt::format("{} are {:.1f} times as large as the tolerances: check them", one.subject, one.fact.factor);
+  if (one.fact.mount) {
+    return fmt::format("{}, by about {:.2g} mm: its place is estimated. Centre it", one.subject, trials.off(fact));
+  }
+  if (one.fact.series) {
+    return fmt::format(
+        "{} scatter {:.2g} times as much as their stated sigmas, and count as much less: check the "
+        "instrument",
+        one.subject, std::hypot(1.0, size));
+  }
+  if (one.fact.errors.size() == 1) return far_text(one.subject, size);
+  return fmt::format("{} are {:.1f} times as large as the tolerances: check them", one.subject, size);
 }
 
 std::string text_of_group(Spreads what, double factor) {
@@ -177,11 +216,10 @@ std::string text_of_group(Spreads what, double factor) {
                      what == Spreads::positions ? "position" : "tilt", factor);
 }
 
-void add_causes(const StageFit& fit, const CalibrationOptions& options, const std::vector<SuspectedFact>& facts,
-                const std::vector<WeighedTable>& tables, const VariancePosterior& posterior,
-                std::vector<Component>& causes) {
-  Causes all(fit, options, tables.front().table, posterior, causes);
-  all.add_open_facts(facts, tables);
+void add_causes(const StageFit& fit, const CalibrationOptions& options, const Trials& trials,
+                const VariancePosterior& posterior, std::vector<Component>& causes) {
+  Causes all(fit, options, trials.tables.front().table, posterior, causes);
+  all.add_open_facts(trials);
   all.add_visits();
   all.add_ambiguous_noise();
   all.add_poses();

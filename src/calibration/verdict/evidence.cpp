@@ -111,7 +111,7 @@ void add_suspects(const Measurements& measurements, const Observation& observati
     if (count > kLongestList && place >= kWorst && group.active) continue;
     const ReadingSeries& series = observation.series_of(group);
     std::string text = series.label(group.index, measurements.stations);
-    if (!group.active) {
+    if (!group.active && !group.at_wrong_pose) {  // else the note of the pose says so
       const std::string why = series.explanation(group.index, at, measurements.stations);
       if (!why.empty()) text += ": " + why;
       const double size = std::sqrt(std::max(one.statistic, 0.0));  // no number where the reading overflows

@@ -29,24 +29,28 @@ class Explainer {
       if (places.count() == 0) return std::nullopt;
       const std::size_t stride = stride_of(places);
       const LinearReadings readings = linear_readings(fit_, places, stride, drives_);
-      std::vector<WeighedTable> tables{weighed(VarianceTable(fit_, readings, drives_, options_.discrepancies))};
-      const double evidence = tables.front().mode.log_evidence;
+      WeighedTable none = weighed(VarianceTable(fit_, readings, drives_, options_.discrepancies));
+      const double evidence = none.mode.log_evidence;
       if (!std::isfinite(evidence)) return std::nullopt;  // something is left open
-      std::vector<SuspectedFact> suspected = trials(tables);
-      if (facts < kMostFacts && (adopt(suspected, tables) || widen_group(tables.front()))) continue;
-      omit_improbable(suspected, tables);
+      if (facts < kMostFacts && weigh_series(none)) continue;
+      SuspectedFacts suspected = suspected_facts(fit_, measurements_, options_, none.table, none.mode.u);
+      Trials trials = trials_of(std::move(none), std::move(suspected));
+      if (facts < kMostFacts && (adopt(trials) || (!mount_ && widen_group(trials.tables.front())))) continue;
+      if (mount_) {
+        return Explanation{
+            .causes = std::move(causes_), .log_evidence = of_every_reading(readings, evidence), .mount = mount_};
+      }
+      trials.omit_improbable();
       if (stride > 1) {
         constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-        return described(of_all(fit_, places, drives_, tables.front()), suspected, tables, kUnknown);
+        return described(of_all(fit_, places, drives_, trials.tables.front()), trials, kUnknown);
       }
-      return described(averaged(tables), suspected, tables, of_every_reading(readings, evidence));
+      return described(averaged(trials.tables), trials, of_every_reading(readings, evidence));
     }
     return std::nullopt;
   }
 
  private:
-  static constexpr std::size_t kMostTrials = 6;
-
   static std::size_t stride_of(const ReadingPlaces& places) {
     constexpr std::size_t kMostRows = 240;  // of a table: more tell variances no better, and cost their cube
     constexpr std::size_t kRows = 3;        // of a place, about
@@ -81,53 +85,74 @@ class Explainer {
     return log_evidence;
   }
 
-  /// Adds tables of the likeliest facts behind that of none, with their probabilities.
-  /// @returns the facts of these tables.
-  std::vector<SuspectedFact> trials(std::vector<WeighedTable>& tables) const {
-    tables.reserve(1 + kMostTrials);
-    const WeighedTable& none = tables.front();
-    std::vector<SuspectedFact> facts =
-        suspected_facts(fit_, measurements_.stations, none.table, none.table.at(none.mode.u, false));
-    if (!options_.exclude_outliers) {
-      std::erase_if(facts, [](const SuspectedFact& one) { return one.fact.pose.has_value(); });
+  /// Series whose noise nobody stated enter by what each of them scatters: by one factor for all the better ones would
+  /// count too little.
+  bool weigh_series(const WeighedTable& none) {
+    constexpr double kAlike = 1.25;
+    const std::vector<std::size_t> terms = none.table.terms_of(Spreads::noise);
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    const auto factor = [&](std::size_t term) { return std::exp(none.mode.u(static_cast<Eigen::Index>(term))); };
+    for (const std::size_t term : terms) {
+      least = std::min(least, factor(term));
+      most = std::max(most, factor(term));
     }
-    facts.resize(std::min(facts.size(), kMostTrials));
-    double sum = 1.0;
-    std::vector<double> odds;
-    odds.reserve(facts.size());
-    for (const SuspectedFact& one : facts) {
-      constexpr double kMost = 600.0;  // of a logarithm: certain, and its exponential is a number
-      tables.push_back(weighed(none.table.with(one.fact)));
-      const double log_odds = tables.back().mode.log_evidence - none.mode.log_evidence + std::log(one.odds);
-      sum += odds.emplace_back(std::exp(std::min(log_odds, kMost)));
+    if (!(most > kAlike * least)) return false;
+    std::vector<double>& factors = factors_of_series();
+    for (const std::size_t term : terms) {
+      factors[static_cast<std::size_t>(none.table.terms()[term].joint)] *= factor(term) / least;
     }
-    tables.front().probability = 1.0 / sum;
-    for (std::size_t k = 0; k < odds.size(); ++k) tables[k + 1].probability = odds[k] / sum;
-    return facts;
+    fit_.settle();
+    return true;
   }
 
-  /// Takes a fact to be so that is certain enough.
-  bool adopt(const std::vector<SuspectedFact>& facts, const std::vector<WeighedTable>& tables) {
-    for (std::size_t k = 0; k < facts.size(); ++k) {
-      if (tables[k + 1].probability < 1.0 - options_.largest_doubt) continue;
-      const Fact& fact = facts[k].fact;
-      causes_.push_back({fact.pose ? Cause::pose : Cause::parts, text_of(facts[k], reading_noise(fit_.observation())),
-                         tables[k + 1].probability, true});
-      if (!fact.pose) fit_.widen_priors(fact.errors, fact.factor);
-      for (Group& group : fit_.observation_to_change().groups()) {
-        if (fact.pose && (group.station == *fact.pose || group.from == *fact.pose)) group.active = false;
+  std::vector<double>& factors_of_series() {
+    Observation& observation = fit_.observation_to_change();
+    std::vector<double>& factors = observation.components().series;
+    factors.resize(observation.series().size(), 1.0);
+    return factors;
+  }
+
+  /// Takes facts to be so that are certain enough.
+  bool adopt(const Trials& trials) {
+    bool any = false;
+    const double noise = reading_noise(fit_.observation());
+    for (const std::size_t k : trials.certain(1.0 - options_.largest_doubt)) {
+      const Fact& fact = trials.facts[k].fact;
+      Component cause{cause_of(fact), text_of(trials, k, noise), trials.probability(k), true};
+      if (fact.mount) {  // its place is one more unknown of another fit, which explains the rest
+        causes_ = {std::move(cause)};
+        mount_ = fact.mount;
+        return false;
       }
-      fit_.settle();
-      return true;
+      causes_.push_back(std::move(cause));
+      adopt(fact, trials.size(k));
+      any = true;
     }
-    return false;
+    if (any) fit_.settle();
+    return any;
+  }
+
+  void adopt(const Fact& fact, double size) {
+    Observation& observation = fit_.observation_to_change();
+    if (fact.series) {
+      factors_of_series()[*fact.series] *= std::hypot(1.0, size);
+    } else if (fact.pose) {
+      for (Group& group : observation.groups()) {
+        if (group.station != *fact.pose && group.from != *fact.pose) continue;
+        group.active = false;
+        group.at_wrong_pose = true;
+      }
+    } else {
+      fit_.widen_priors(fact.errors, size);
+    }
   }
 
   /// Takes the tolerances of a group for as many times larger as the readings show, where they are far too small: a fit
   /// that keeps to them explains nothing. Below that the readings outweigh them.
   bool widen_group(const WeighedTable& none) {
-    constexpr double kFarTooSmall = 8.0;  // one wrong part makes a group look up to so large
-    constexpr double kNonsense = 30.0;    // readings of another machine, or in another unit
+    constexpr double kFarTooSmall = 8.0;                          // one wrong part makes a group look up to so large
+    constexpr double kNonsense = 30.0;                            // readings of another machine, or in another unit
+    if (none.probability < options_.largest_doubt) return false;  // single facts explain more
     for (const Spreads what : {Spreads::positions, Spreads::tilts}) {
       for (const std::size_t term : none.table.terms_of(what)) {
         const auto at = static_cast<Eigen::Index>(term);
@@ -142,18 +167,6 @@ class Explainer {
       }
     }
     return false;
-  }
-
-  static void omit_improbable(std::vector<SuspectedFact>& facts, std::vector<WeighedTable>& tables) {
-    constexpr double kImprobable = 0.01;
-    for (std::size_t k = facts.size(); k-- > 0;) {
-      if (tables[k + 1].probability > kImprobable) continue;
-      facts.erase(facts.begin() + static_cast<std::ptrdiff_t>(k));
-      tables.erase(tables.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-    }
-    double sum = 0.0;
-    for (const WeighedTable& one : tables) sum += one.probability;
-    for (WeighedTable& one : tables) one.probability /= sum;
   }
 
   /// Standard deviation of each joint by its own term and that of all alike.
@@ -187,27 +200,28 @@ class Explainer {
     return Eigen::VectorXd::Constant(joints, alone * mm);
   }
 
-  Explanation described(VariancePosterior posterior, const std::vector<SuspectedFact>& facts,
-                        const std::vector<WeighedTable>& tables, double log_evidence) {
-    const VarianceTable& table = tables.front().table;
-    add_causes(fit_, options_, facts, tables, posterior, causes_);
-    Explanation all{.means = std::move(posterior.errors),
-                    .covariance = std::move(posterior.covariance),
-                    .noise = std::move(posterior.noise),
-                    .drives = drives_.knots,
-                    .joint_std = of_joints(Spreads::poses, table, posterior),
-                    .visit_std = of_joints(Spreads::visits, table, posterior),
-                    .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
-                    .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
-                    .causes = std::move(causes_),
-                    .absorbed = at_plate({Spreads::visits, Spreads::poses, Spreads::drives}, table,
-                                         [&](std::size_t term) { return posterior.size(term); }),
-                    .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
-                    .repeats = table.noise_of_visits().has_value(),
-                    .is_ambiguous = !table.tells_noise(),
-                    .noise_as_joints = noise_as_joints(table, posterior),
-                    .omitted_poses = omitted_poses(table, tables.front().mode, reading_noise(fit_.observation())),
-                    .log_evidence = log_evidence};
+  Explanation described(VariancePosterior posterior, const Trials& trials, double log_evidence) {
+    const VarianceTable& table = trials.tables.front().table;
+    add_causes(fit_, options_, trials, posterior, causes_);
+    Explanation all{
+        .means = std::move(posterior.errors),
+        .covariance = std::move(posterior.covariance),
+        .noise = std::move(posterior.noise),
+        .drives = drives_.knots,
+        .joint_std = of_joints(Spreads::poses, table, posterior),
+        .visit_std = of_joints(Spreads::visits, table, posterior),
+        .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
+        .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
+        .causes = std::move(causes_),
+        .absorbed = at_plate({Spreads::visits, Spreads::poses, Spreads::drives}, table,
+                             [&](std::size_t term) { return posterior.size(term); }),
+        .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
+        .repeats = table.noise_of_visits().has_value(),
+        .is_ambiguous = !table.tells_noise(),
+        .noise_as_joints = noise_as_joints(table, posterior),
+        .omitted_poses = omitted_poses(table, trials.tables.front().mode, reading_noise(fit_.observation())),
+        .log_evidence = log_evidence,
+        .mount = mount_};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
       all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
       all.visit_std.setZero();
@@ -220,6 +234,7 @@ class Explainer {
   const CalibrationOptions& options_;
   DriveSplines drives_;
   std::vector<Component> causes_;
+  std::optional<ReflectorMount> mount_;
 };
 
 /// Where joints stand elsewhere at each pose by more than the noise, the fit weighs its readings by both.
@@ -246,7 +261,7 @@ void weigh_joints(StageFit& fit, Explanation& found) {
 std::optional<Explanation> explained(StageFit& fit, const Measurements& measurements,
                                      const CalibrationOptions& options) {
   std::optional<Explanation> found = Explainer(fit, measurements, options).explain();
-  if (!found) return found;
+  if (!found || found->mount) return found;
   weigh_joints(fit, *found);
   if (found->is_ambiguous) {  // not before: readings that are weighed by joints have their noise beside them
     found->joint_std = (found->joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();

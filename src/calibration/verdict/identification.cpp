@@ -101,9 +101,7 @@ StageExplanation explained(detail::StageFit fit, const Measurements& used, const
 /// Gross errors and discrepancies can each be taken for the other: a wrong part for readings that contradict the rest,
 /// a gross reading for backlash. Where leaving out gross errors first takes any, the machine is also explained with
 /// them, and that explanation is kept under which all readings are likelier.
-Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Calibration calibration,
-                           detail::Told told) {
-  const CalibrationOptions options = calibration.options;
+StageExplanation fit_and_explain(const Measurements& used, detail::StageFit stage, const CalibrationOptions& options) {
   stage.settle();
   const detail::StageFit without = stage;
   if (options.exclude_outliers) stage.exclude_outliers(options.outlier_chance);
@@ -114,9 +112,14 @@ Calibration fit_and_finish(const Measurements& used, detail::StageFit& stage, Ca
   constexpr double kAlike = 1.0;  // of a logarithm: an explanation that names a cause is the better one
   const bool other = left_out && all[1].names_cause() &&
                      (!all[0].found || all[1].found->log_evidence > all[0].found->log_evidence - kAlike);
-  const StageExplanation& best = all[other ? 1 : 0];
-  if (best.found) calibration.components = best.found->causes;
-  return finished(used, best.fit, best.found, std::move(calibration), told);
+  return std::move(all[other ? 1 : 0]);
+}
+
+/// Where a reflector is beside its axis or centre, its place on this mount is one more unknown.
+CalibrationOptions seeking_reflector(CalibrationOptions options, ReflectorMount mount) {
+  options.reflector_is_at_centre = false;
+  options.reflectors = mount;
+  return options;
 }
 
 /// Priors that no table can use.
@@ -165,7 +168,7 @@ Calibration with_tolerances(const Robot& robot, const Measurements& measurements
 }  // namespace
 
 Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& measurements,
-                                       const CalibrationOptions& options, Told told) {
+                                       const CalibrationOptions& options, Told told, std::vector<Component> causes) {
   check(measurements, robot.limb_count());
   check(options.discrepancies);
   const bool paper = options.method == Method::paper;
@@ -214,7 +217,14 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
     stage.solve_by_pseudo_inverse();
     return finished(used, stage, {}, std::move(calibration), told);
   }
-  return fit_and_finish(used, stage, std::move(calibration), told);
+  const StageExplanation best = fit_and_explain(used, std::move(stage), options);
+  if (best.found) causes.insert(causes.end(), best.found->causes.begin(), best.found->causes.end());
+  if (best.found && best.found->mount) {
+    return calibrate_as_given(robot, measurements, seeking_reflector(options, *best.found->mount), told,
+                              std::move(causes));
+  }
+  calibration.components = std::move(causes);
+  return finished(used, best.fit, best.found, std::move(calibration), told);
 }
 
 }  // namespace paracal

@@ -9,7 +9,8 @@ namespace paracal::io {
 inline constexpr std::string_view kCalibrationSchema = "calibration.schema.json";
 
 template <>
-inline constexpr std::array<std::string_view, 5> kWords<Cause>{"visits", "motion", "parts", "pose", "noise"};
+inline constexpr std::array<std::string_view, 6> kWords<Cause>{"visits", "motion", "parts",
+                                                               "pose",   "noise",  "reflector"};
 enum class ParameterStatus : std::uint8_t { identified, prior, fixed };
 template <>
 inline constexpr std::array<std::string_view, 3> kWords<ParameterStatus>{"identified", "prior", "fixed"};
@@ -118,8 +119,8 @@ struct List<Component> {
   static constexpr Place kPlace{kCalibrationSchema, "component", "Cause"};
   static void fields(auto&& field) {
     field("cause", &Component::cause,
-          "joints that do not repeat, joints or drives that are off, parts, a pose, or the noise of "
-          "an instrument");
+          "joints that do not repeat, joints or drives that are off, parts, a pose, the noise of "
+          "an instrument, or the place of a reflector");
     field("text", &Component::text, "in words");
     field("probability", &Component::probability, "after the readings", kShare);
     field("told", &Component::told, "true: the notes contain it");
