@@ -26,7 +26,7 @@ Sizes sizes_of(const Fact& fact) {
 
 /// Root mean square of sizes by what they do to the readings: a direction that nothing shows does not count.
 double seen_size(const Eigen::MatrixXd& square, const Eigen::VectorXd& off) {
-  return std::sqrt(off.dot(square * off) / square.trace());
+  return square.trace() > 0.0 ? std::sqrt(std::max(off.dot(square * off), 0.0) / square.trace()) : 0.0;
 }
 
 /// Sorted by worth.
@@ -141,9 +141,10 @@ FactSet FactSearch::weighed(std::vector<std::size_t> facts) const {
     const double size = seen_size(of_own, own);
     all.sizes.push_back(std::clamp(size, sizes.least, sizes.most));
     const Fact& fact = facts_[k].fact;
-    all.off.push_back(fact.pose    ? own.norm() / std::sqrt(blocks_of(*fact.pose))
-                      : fact.mount ? size * std::sqrt(of_own.trace() / symmetric_eigenvalues(of_own).maxCoeff())
-                                   : size);
+    all.off.push_back(
+        fact.pose    ? own.norm() / std::sqrt(blocks_of(*fact.pose))
+        : fact.mount ? size * std::sqrt(of_own.trace() / std::max(symmetric_eigenvalues(of_own).maxCoeff(), 1e-300))
+                     : size);
     scale.segment(first, count).setConstant(all.sizes.back());
     first += count;
   }
@@ -151,8 +152,9 @@ FactSet FactSearch::weighed(std::vector<std::size_t> facts) const {
   volume.diagonal().array() += 1.0;
   all.worth += gain(told.dot(off)) - Cholesky(volume).log_root() - 0.5 * static_cast<double>(off.size());
   for (std::size_t k = 0; k < all.facts.size(); ++k) {
-    if (facts_[all.facts[k]].fact.mount && all.off[k] > kFarthest) all.worth = kNever;
+    if (facts_[all.facts[k]].fact.mount && !(all.off[k] <= kFarthest)) all.worth = kNever;
   }
+  if (!std::isfinite(all.worth)) all.worth = kNever;  // nothing shows what it does
   return all;
 }
 
