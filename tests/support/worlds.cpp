@@ -126,7 +126,7 @@ class Truth {
  private:
   /// Strokes of the joints, and how much they lift the plate.
   void survey() {
-    const Eigen::Index joints = static_cast<Eigen::Index>(robot_.limb_count());
+    const auto joints = static_cast<Eigen::Index>(robot_.limb_count());
     low_ = Joints::Constant(joints, 1e300);
     Joints high = -low_;
     double most = 0.0;
