@@ -15,6 +15,7 @@
 #include "paracal/mechanism/random.hpp"
 #include "paracal/units.hpp"
 #include "run_program.hpp"
+#include "support/places.hpp"
 
 namespace paracal::test::drives_cli_test {
 namespace {
@@ -156,6 +157,20 @@ TEST_F(UnevenDrives, DamagedDrivesAreRefused) {
   refused([](json& c) { std::swap(c["drives"][1], c["drives"][2]); }, "equally spaced");
   refused([](json& c) { c["drives"][2]["spacing"] = 0.9 * c["drives"][2]["spacing"].get<double>(); }, "equally spaced");
   refused([](json& c) { c["drives"][5]["size"] = 0.3 * c["drives"][5]["spacing"].get<double>(); }, "change by less");
+}
+
+/// Their rigid fit leaves residuals and moves a part far from its tolerance, and a moved instrument would explain some
+/// of that. But with the drives every omitted pose is predicted, and nothing else is wrong.
+TEST(SampleOfUnevenDrives, IsNoMistakeOfTheInput) {
+  const TemporaryFolder folder;
+  for (const auto& [robot, file] :
+       {std::pair("rotary_delta", "uneven.csv"), std::pair("linear_delta", "uneven_rails.csv")}) {
+    const auto measured = source_folder() / "tests/corpus/files" / file;
+    const ProgramResult result =
+        folder.run(fmt::format("calibrate --robot {} --measurements {} --out c.json", robot, measured.string()));
+    EXPECT_EQ(result.exit_code, kDone) << result.out;
+    EXPECT_EQ(json::parse(folder.read("c.json"))["uses_drives"], true) << robot;
+  }
 }
 
 TEST(EvenDrives, AreNotMentioned) {

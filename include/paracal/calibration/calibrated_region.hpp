@@ -6,8 +6,8 @@
 namespace paracal {
 
 /// Where the poses of a calibration are: between two planes in each of 13 directions (edges, diagonals of faces and of
-/// the body of a cube), mm in {O}. A set-up of planes instead of the convex hull: a few numbers, and as large as the
-/// hull but for its rounded corners.
+/// the body of a cube), mm in {O}. Planes instead of the convex hull: a few numbers, and as large as the hull but for
+/// its rounded corners.
 struct CalibratedRegion {
   std::vector<double> low = {}, high = {};  ///< u . r in the order of directions(); empty: unknown
 

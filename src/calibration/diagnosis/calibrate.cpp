@@ -33,27 +33,42 @@ bool left_many_out(const Calibration& calibration) {
          calibration.readings;
 }
 
+/// Of the machine with its drives where it has them: what a rigid one makes of uneven drives is no error of a part.
 bool is_far_from_nominal(const ParameterEstimate& parameter) {
   constexpr double kFarOutside = 4.0;  // standard deviations of the tolerance
-  return parameter.prior_std && std::abs(parameter.value - parameter.expected) > kFarOutside * *parameter.prior_std;
+  const double value = parameter.with_drives.value_or(parameter.value);
+  return parameter.prior_std && std::abs(value - parameter.expected) > kFarOutside * *parameter.prior_std;
+}
+
+/// The machine with its drives predicts poses that were omitted, about as well as the noise allows: what moves its
+/// joints is known, and no reading is another than it says.
+bool predicts_omitted_poses(const Calibration& calibration) {
+  constexpr double kFarMore = 2.0;
+  return calibration.drive_sizes.size() > 0 && calibration.omitted_poses &&
+         calibration.omitted_poses->with_drives <= kFarMore * calibration.noise;
+}
+
+bool has_told(const Calibration& calibration, Cause cause) {
+  return std::ranges::any_of(calibration.components,
+                             [&](const Component& one) { return one.told && one.cause == cause; });
 }
 
 /// Readings show something that noise, tolerances and model do not explain; the fit takes it for a fault of the
 /// machine. Visits that do not repeat are none of what was written wrong, and what else was is known and counted.
-bool is_strange(const Component& component) {
-  return component.told && (component.cause == Cause::motion || component.cause == Cause::parts);
+bool is_strange(const Calibration& calibration) {
+  return has_told(calibration, Cause::parts) ||
+         (has_told(calibration, Cause::motion) && !predicts_omitted_poses(calibration));
 }
 
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
   return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||
-         left_many_out(calibration) || std::ranges::any_of(calibration.components, is_strange) ||
+         left_many_out(calibration) || is_strange(calibration) ||
          std::ranges::any_of(calibration.parameters, is_far_from_nominal);
 }
 
 /// The machine that was found explains what the readings show, if with parts out of their tolerances.
 bool is_explained(const Calibration& calibration, const Diagnosis& diagnosis) {
-  const bool moves = std::ranges::any_of(calibration.components,
-                                         [](const Component& one) { return one.told && one.cause == Cause::motion; });
+  const bool moves = has_told(calibration, Cause::motion) && !predicts_omitted_poses(calibration);
   return calibration.accepted() && !moves && calibration.noise <= diagnosis.largest_noise;
 }
 

@@ -92,7 +92,6 @@ void state_turned_over(const Robot& robot, Calibration& calibration) {
   }
 }
 
-/// All readings; of more than are listed one by one those that were left out, and the worst of the others.
 CalibratedRegion region_of(const Measurements& measurements, const Observation& observation) {
   CalibratedRegion region;
   for (const Group& group : observation.groups()) {
@@ -101,6 +100,7 @@ CalibratedRegion region_of(const Measurements& measurements, const Observation& 
   return region;
 }
 
+/// All readings; of more than are listed one by one those that were left out, and the worst of the others.
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
   constexpr std::size_t kWorst = 100;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +48,8 @@ Rule referred(const Json& file, const std::string& reference) {
 class Pattern {
  public:
   explicit Pattern(const std::string& text) {
-    [[maybe_unused]] const int error = regcomp(&compiled_, text.c_str(), REG_EXTENDED | REG_NOSUB);
+    const int error = regcomp(&compiled_, text.c_str(), REG_EXTENDED | REG_NOSUB);
+    if (error == REG_ESPACE) throw std::bad_alloc();
     assert(error == 0);
   }
   Pattern(const Pattern&) = delete;
@@ -55,7 +57,10 @@ class Pattern {
   ~Pattern() { regfree(&compiled_); }
 
   bool fits(const std::string& text) const {
-    return text.find('\0') == std::string::npos && regexec(&compiled_, text.c_str(), 0, nullptr, 0) == 0;
+    if (text.find('\0') != std::string::npos) return false;
+    const int found = regexec(&compiled_, text.c_str(), 0, nullptr, 0);
+    if (found == REG_ESPACE) throw std::bad_alloc();
+    return found == 0;
   }
 
  private:
