@@ -82,8 +82,7 @@ std::string list(const std::vector<std::vector<double>>& rows) {
 class Writer {
  public:
   Writer(const Robot& robot, const ExportedMachine& exported, Values values)
-      : robot_(robot),
-        exported_(exported),
+      : exported_(exported),
         recorded_(exported.recorded),
         language_(exported.recorded.numbers),
         limbs_(robot.limb_count()),
@@ -336,7 +335,6 @@ class Writer {
     add("TEST_JOINTS", list(joints));
   }
 
-  const Robot& robot_;
   const ExportedMachine& exported_;
   const RecordedMachine& recorded_;
   StructuredText language_;

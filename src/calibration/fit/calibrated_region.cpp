@@ -9,7 +9,10 @@ namespace {
 /// One of u and -u.
 std::vector<Eigen::Vector3d> half_of_all() {
   std::vector<Eigen::Vector3d> all;
-  for (int k = 14; k < 27; ++k) all.push_back(Eigen::Vector3d(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1).normalized());
+  for (int k = 14; k < 27; ++k) {
+    const Eigen::Vector3i steps(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+    all.push_back(steps.cast<double>().normalized());
+  }
   return all;
 }
 
@@ -31,9 +34,9 @@ void CalibratedRegion::add(const Eigen::Vector3d& position) {
   }
 }
 
-double CalibratedRegion::beyond(const Eigen::Vector3d& position, std::size_t k) const {
-  const double at = directions()[k].dot(position);
-  return std::max({0.0, low[k] - at, at - high[k]});
+double CalibratedRegion::beyond(const Eigen::Vector3d& position, std::size_t direction) const {
+  const double at = directions()[direction].dot(position);
+  return std::max({0.0, low[direction] - at, at - high[direction]});
 }
 
 double CalibratedRegion::beyond(const Eigen::Vector3d& position) const {
