@@ -35,7 +35,7 @@ struct ExportedMachine {
   double worst;                     ///< error of the variant over the workspace, mm
 
   /// @throws InvalidArgument unless has_compensator(); Unreachable when the centre of the workspace is out of reach.
-  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, DriveCurves drives);
+  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, DriveCurves uneven);
 
   bool searches() const { return recorded.state_size > 0; }
   /// Where the curves of uneven drives begin among the numbers.

@@ -6,6 +6,7 @@
 #include "paracal/calibration/plan.hpp"
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
+#include "support/robots.hpp"
 #include "support/virtual_machines.hpp"
 
 namespace paracal::test::doubt_test {
