@@ -14,6 +14,7 @@
 #include "paracal/error.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/mechanism/catalogue.hpp"
+#include "support/robots.hpp"
 
 namespace paracal::drawing_statement_test {
 namespace {
