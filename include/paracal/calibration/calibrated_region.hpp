@@ -19,8 +19,8 @@ struct CalibratedRegion {
   /// How far a position is beyond the planes, mm; 0 inside, and where the region is unknown.
   double beyond(const Eigen::Vector3d& position) const;
 
-  /// A prediction there extrapolates: the position is beyond two of the planes by more than kSlack of their distance,
-  /// and by more than kThin of the largest distance, because a plane of poses has none. Errors of a machine are smooth,
+  /// A prediction there extrapolates: the position is beyond a plane by more than kSlack of its distance from the other
+  /// one, and by more than kThin of the largest such distance, because poses in one plane have none. Errors of a machine are smooth,
   /// so that a little farther they are as known as at the rim.
   bool is_left_by(const Eigen::Vector3d& position) const;
 

@@ -110,10 +110,10 @@ void note_extrapolation(const CalibratedRegion& region, const Measurements& meas
   }
   if (count == 0) return;
   validation.notes.push_back(
-      fmt::format("{} of {} poses lie outside of the region of the calibrated poses, by up to {:.3g} mm: the "
+      fmt::format("{} of {} poses lie{} outside of the region of the calibrated poses, by up to {:.3g} mm: the "
                   "calibration extrapolates there, and errors exceed U more often. Calibrate with poses in the whole "
                   "workspace",
-                  count, measurements.stations.size(), farthest));
+                  count, measurements.stations.size(), count == 1 ? "s" : "", farthest));
 }
 
 /// Another mount, with which bodies are turned by far less than with the one that is stated.
