@@ -20,8 +20,8 @@ struct CalibratedRegion {
   double beyond(const Eigen::Vector3d& position) const;
 
   /// A prediction there extrapolates: the position is beyond a plane by more than kSlack of its distance from the other
-  /// one, and by more than kThin of the largest such distance, because poses in one plane have none. Errors of a machine are smooth,
-  /// so that a little farther they are as known as at the rim.
+  /// one, and by more than kThin of the largest such distance, because poses in one plane have none. Errors of a
+  /// machine are smooth, so that a little farther they are as known as at the rim.
   bool is_left_by(const Eigen::Vector3d& position) const;
 
   static constexpr double kSlack = 0.1, kThin = 0.02;
