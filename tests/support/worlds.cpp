@@ -75,6 +75,13 @@ class Truth {
       }
     }
     warm_ = build(robot, warm);
+    if (world.warming_rod > 0.0) {
+      warming_limb_ = static_cast<std::size_t>(number) % robot.limb_count();
+      faults_.push_back("rod 1 of limb " + std::to_string(warming_limb_ + 1));
+    }
+    if (world.backlash_by_side > 0.0) faults_.emplace_back("direction of its motion");
+    sides_ = Joints::Zero(static_cast<Eigen::Index>(robot.limb_count()));
+    be_at(1.0);
     loose_joint_ = static_cast<Eigen::Index>(random_.uniform() * static_cast<double>(robot.limb_count()));
     waves_ = Eigen::MatrixXd::NullaryExpr(6, static_cast<Eigen::Index>(robot.limb_count()),
                                           [&] { return random_.normal(); });
@@ -88,6 +95,28 @@ class Truth {
   SourceErrors errors() const { return as_felt(robot_, errors_); }
   /// As notes name them, those of the readings included.
   std::vector<std::string>& faults() { return faults_; }
+
+  /// What the machine is at a time from 0 to 1; afterwards it stays as at 1.
+  void be_at(double time) {
+    if (world_.warming_rod == 0.0) return;
+    SourceErrors now = errors_;
+    now(warming_limb_, "rod_mean") += 0.5 * time * world_.warming_rod;
+    now(warming_limb_, "rod_difference") += time * world_.warming_rod;
+    cold_ = warm_ = build(robot_, now);
+  }
+  /// Joints come from where they are to a station.
+  void go_to(const Station& station) {
+    if (world_.backlash_by_side == 0.0) return;
+    const Joints there = believed_joints(robot_, station);
+    if (came_from_.size() > 0) {
+      for (Eigen::Index k = 0; k < there.size(); ++k) {
+        if (there(k) != came_from_(k)) sides_(k) = there(k) > came_from_(k) ? -1.0 : 1.0;
+      }
+    }
+    came_from_ = there;
+  }
+  /// In the middle of the play.
+  void forget_sides() { sides_.setZero(); }
 
   /// Where the plate stands at a station this time; the same joints are off the same way at every visit.
   /// @param visits  a single visit, at which a loose joint stands anew.
@@ -105,6 +134,9 @@ class Truth {
         const double phase = 2.0 * std::numbers::pi * turns * (q - low_(k)) / stroke_(k);
         joints(k) += lever * world_.uneven / std::sqrt(3.0) *
                      (waves_(2 * turns - 2, k) * std::sin(phase) + waves_(2 * turns - 1, k) * std::cos(phase));
+      }
+      if (world_.backlash_by_side > 0.0) {
+        joints(k) += lever * world_.backlash_by_side * (visits ? (random_.uniform() < 0.5 ? -1.0 : 1.0) : sides_(k));
       }
       if (world_.backlash > 0.0) joints(k) += lever * (random_.uniform() < 0.5 ? -world_.backlash : world_.backlash);
     }
@@ -149,6 +181,8 @@ class Truth {
   SourceErrors errors_;
   Machine cold_, warm_;
   Eigen::Index loose_joint_ = 0;
+  std::size_t warming_limb_ = 0;
+  Joints sides_, came_from_;
   Eigen::MatrixXd waves_;
   std::vector<SoughtSource> zeros_;
   Joints low_, stroke_;
@@ -220,21 +254,28 @@ Measurements points(const Robot& robot, const World& world, Truth& truth, Noise&
                     int visits, int number) {
   Measurements measured{.stations = std::move(stations), .series = {{"tracker", {}}}};
   const std::vector<Eigen::Vector3d> off = wrong_poses(world, measured.stations.size(), number);
-  for (std::size_t k = 0; k < measured.stations.size(); ++k) {
-    const bool warm = 2 * k >= measured.stations.size();
-    Pose pose = truth.at(measured.stations[k], warm);
+  const std::size_t poses = measured.stations.size(), all = poses * static_cast<std::size_t>(visits);
+  std::vector<std::optional<Pose>> mean(poses);
+  for (std::size_t row = 0; row < all; ++row) {
+    const std::size_t k = world.in_passes ? row % poses : row / static_cast<std::size_t>(visits);
+    const Station& station = measured.stations[k];
+    const bool warm = 2 * row >= all;
+    truth.be_at(static_cast<double>(row) / static_cast<double>(all - 1));
+    truth.go_to(station);
+    if (!mean[k] || world.in_passes) mean[k] = truth.at(station, warm);
+    Pose pose = *mean[k];
     pose.position += off[k];
-    if (!off[k].isZero()) truth.faults().push_back("pose " + measured.stations[k].name + " ");
-    for (int visit = 0; visit < visits; ++visit) {
-      noise.next_reading();
-      const Pose there = world.loose > 0.0 ? truth.at(measured.stations[k], warm, true) : pose;
-      PointReading reading = read_point(robot, there, world, noise);
-      const double time = static_cast<double>(k) / static_cast<double>(measured.stations.size() - 1);
-      reading.point += world.drift * time * Eigen::Vector3d(0.48, 0.6, -0.64);
-      reading.station = k;
-      measured.series.front().readings.push_back(std::move(reading));
-    }
+    const bool is_first = world.in_passes ? row < poses : row % static_cast<std::size_t>(visits) == 0;
+    if (is_first && !off[k].isZero()) truth.faults().push_back("pose " + station.name + " ");
+    noise.next_reading();
+    const Pose there = world.loose > 0.0 ? truth.at(station, warm, true) : pose;
+    PointReading reading = read_point(robot, there, world, noise);
+    const double time = static_cast<double>(k) / static_cast<double>(poses - 1);
+    reading.point += world.drift * time * Eigen::Vector3d(0.48, 0.6, -0.64);
+    reading.station = k;
+    measured.series.front().readings.push_back(std::move(reading));
   }
+  truth.forget_sides();
   return measured;
 }
 
@@ -432,7 +473,8 @@ void judge_machine(const Bench& bench, const World& world, int number, bool with
   for (const Station& station : bench.others) {
     const Pose believed = predict(bench.robot, known, believed_joints(bench.robot, station)).pose;
     mean.push_back({believed, truth.at(station)});
-    visit.push_back({believed, world.loose > 0.0 ? truth.at(station, true, true) : mean.back().actual});
+    const bool differs = world.loose > 0.0 || world.backlash_by_side > 0.0;
+    visit.push_back({believed, differs ? truth.at(station, true, true) : mean.back().actual});
   }
   for (std::size_t k = 1; k < bench.others.size(); ++k) {
     ++all.distances;
@@ -479,6 +521,11 @@ std::vector<World> wrong_worlds() {
           {.name = "compliance 0.05 mm", .compliance = 0.05, .errors_cannot_be_told = true},
           {.name = "bowed 0.1 mm", .bow_at_rim = 0.1, .errors_cannot_be_told = true},
           {.name = "drift 0.05 mm", .drift = 0.05, .errors_cannot_be_told = true},
+          {.name = "one rod warms by 0.1 mm", .in_passes = true, .warming_rod = 0.1, .errors_cannot_be_told = true},
+          {.name = "backlash 0.005 deg by direction",
+           .in_passes = true,
+           .backlash_by_side = to_radians(0.005),
+           .errors_cannot_be_told = true},
           {.name = "one pose off 0.5 mm", .wrong_pose = 0.5},
           {.name = "two poses off 0.5 mm", .wrong_pose = 0.5, .wrong_poses = 2},
           {.name = "three poses off 0.5 mm", .wrong_pose = 0.5, .wrong_poses = 3},

@@ -41,6 +41,9 @@ struct World {
   double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley
   bool one_drive = false;            ///< the encoder of the first drive alone is so
   double warm_drives = 0.0;          ///< arms are longer, or carriages run farther, by this share, from half way on
+  bool in_passes = false;            ///< every pose is visited once before any is visited again
+  double warming_rod = 0.0;          ///< mm: one rod of one limb is longer by as much at the last reading
+  double backlash_by_side = 0.0;     ///< rad: each joint stands this much on the side from which it came
   double sag_at_rim = 0.0;           ///< mm, proportional to the radius
   double bow_at_rim = 0.0;           ///< mm sideways, as the square of the height: guides that are bowed
   double scale = 0.0;                ///< of the instrument, m/m

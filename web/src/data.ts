@@ -190,7 +190,7 @@ export interface UseQuantity {
   verdict: "kept" | "not kept" | null;
 }
 export interface Cause {
-  cause: "visits" | "motion" | "parts" | "pose" | "noise" | "reflector";
+  cause: "visits" | "motion" | "parts" | "pose" | "noise" | "reflector" | "drift" | "backlash";
   text: string;
   probability: number;
   told: boolean;

@@ -221,6 +221,8 @@ enum class Cause : std::uint8_t {
   pose,       ///< a pose that was not what was commanded
   noise,      ///< an instrument whose noise is not as stated
   reflector,  ///< a reflector beside the axis or the centre that it was put on
+  drift,      ///< of parts or of an instrument, along the order of the readings
+  backlash,   ///< joints that stop on the side from which they came
 };
 
 /// A cause of what noise, tolerances and the exact geometry do not explain. No uncertainty depends on its name.

@@ -70,6 +70,11 @@ class Observation {
   void let_joints_err(Eigen::VectorXd std) { joint_std_ = std::move(std); }
   const Eigen::VectorXd& joint_std() const { return joint_std_; }
 
+  /// Corrects what was read: a reading is less by these rows, which are as rows() has them now.
+  void take_off(std::size_t group, const Eigen::VectorXd& rows);
+  /// Corrects all readings as those of another observation of them.
+  void take_off_as(const Observation& other) { taken_off_ = other.taken_off_; }
+
   /// Unknowns with these source errors, and the nuisance that then fits best; empty when the machine does not close.
   std::optional<Eigen::VectorXd> start(const SourceErrors& errors);
   /// The source errors of a vector of unknowns; those not sought as at start().
@@ -170,6 +175,8 @@ class Observation {
   Eigen::MatrixXd common_prior_;  ///< W, W^T W the inverse prior covariance of the sought errors, where they share some
   std::vector<StationState> nominal_;
   Eigen::VectorXd joint_std_;  ///< empty: none
+  /// Of each reading, before any factor of its standard deviation; empty: none.
+  std::vector<Eigen::VectorXd> taken_off_;
   Eigen::Index nuisance_count_ = 0;
   VarianceComponents components_;
   mutable Eigen::VectorXd last_sources_;

@@ -9,6 +9,10 @@
 namespace paracal::detail {
 ByPlate Observation::scaled_rows(const Group& group, const Placed& at, Eigen::MatrixXd& block) const {
   ByPlate by_plate = series_of(group).rows(group.index, at, block);
+  if (!taken_off_.empty()) {
+    const Eigen::VectorXd& off = taken_off_[first_group_[group.series] + group.index];
+    if (off.size() > 0) block.rightCols<1>() += off;
+  }
   const double factor = std::sqrt(group.weight) / noise_factor(group);
   if (factor != 1.0) {
     block *= factor;
@@ -19,6 +23,15 @@ ByPlate Observation::scaled_rows(const Group& group, const Placed& at, Eigen::Ma
     by_plate.middleRows(3, orientation_rows(group)) /= orientation_factor(group);
   }
   return by_plate;
+}
+
+void Observation::take_off(std::size_t place, const Eigen::VectorXd& rows) {
+  const Group& group = groups_[place];
+  taken_off_.resize(groups_.size());
+  Eigen::VectorXd unscaled = rows * (noise_factor(group) / std::sqrt(group.weight));
+  if (orientation_factor(group) != 1.0) unscaled.segment(3, orientation_rows(group)) *= orientation_factor(group);
+  Eigen::VectorXd& all = taken_off_[place];
+  all = all.size() == 0 ? unscaled : Eigen::VectorXd(all + unscaled);
 }
 
 Eigen::MatrixXd Observation::by_position(const Group& group, const Placed& at) const {

@@ -136,6 +136,11 @@ BodySetUp Points::started_reflector(const std::vector<StationState>& stations) c
   return place_reflector(carriers, read, frame_ >= 0);
 }
 
+std::vector<Eigen::Index> Points::zero_columns() const {
+  if (frame_ < 0) return {};
+  return {frame_ + 3, frame_ + 4, frame_ + 5};
+}
+
 void Points::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);
   const bool guessed = place_ >= 0 && !place_is_shown_;

@@ -36,6 +36,7 @@ class Points final : public ReadingSeries {
   Quantity quantity() const override { return Quantity::coordinate; }
   void take_columns(Eigen::Index& next, bool seeks_scale) override;
   void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) override;
+  std::vector<Eigen::Index> zero_columns() const override;
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const override;
   void set_units(Eigen::VectorXd& unit) const override;
   ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const override;

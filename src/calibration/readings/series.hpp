@@ -137,6 +137,8 @@ class ReadingSeries {
   virtual void take_columns(Eigen::Index& next, bool seeks_scale) = 0;
   /// Sets them to what fits best at these stations.
   virtual void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) = 0;
+  /// Those that shift its readings and do nothing else.
+  virtual std::vector<Eigen::Index> zero_columns() const { return {}; }
   /// What is known of them beforehand, as rows.
   virtual void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const = 0;
   /// Sets how large their unknowns may be where they have a size of their own.

@@ -18,7 +18,7 @@ VarianceTerm of_pose(const LinearReadings& readings, std::size_t pose, double si
   return term;
 }
 
-VarianceTerm of_place(const Eigen::MatrixXd& effect, double size) {
+VarianceTerm of_effect(const Eigen::MatrixXd& effect, double size) {
   VarianceTerm term{Spreads::noise};
   std::vector<Eigen::Index> rows(static_cast<std::size_t>(effect.rows()));
   std::iota(rows.begin(), rows.end(), Eigen::Index{0});
@@ -28,13 +28,24 @@ VarianceTerm of_place(const Eigen::MatrixXd& effect, double size) {
 
 }  // namespace
 
+void VarianceTable::add_effect(const Eigen::MatrixXd& effect, double size) {
+  fixed_.push_back(of_effect(effect, size));
+}
+
+void VarianceTable::take_scatter(const std::vector<Eigen::MatrixXd>& of_blocks) {
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < readings_->blocks.size(); ++k) {
+    if (readings_->blocks[k].visits >= 2.0) visits_[next++].squares = of_blocks[k];
+  }
+}
+
 VarianceTable VarianceTable::with(const std::vector<const Fact*>& facts) const {
   VarianceTable other = *this;
   for (const Fact* fact : facts) {
     if (fact->pose) {
       other.fixed_.push_back(of_pose(*readings_, *fact->pose, fact->size));
     } else if (fact->mount) {
-      other.fixed_.push_back(of_place(fact->effect, fact->size));
+      other.fixed_.push_back(of_effect(fact->effect, fact->size));
     } else if (fact->series) {
       other.add_series_noise(*fact->series, fact->size);
     } else {

@@ -27,9 +27,11 @@ class Blocks {
       const Eigen::VectorXd off = rows.col(last) - one.rows.col(last);
       one.scatter += off * off.transpose() * (one.visits / (one.visits + 1.0));
       one.rows.col(last) += off / ++one.visits;
+      one.each.push_back({g, rows.col(last)});
       return;
     }
     const Eigen::Index joints = static_cast<Eigen::Index>(observation_.robot().limb_count()), count = rows.rows();
+    const ReadingBlock::Visit first{g, rows.col(last)};
     const Eigen::Index orientation = observation_.orientation_rows(group),
                        rotation = observation_.series_of(group).rotation_rows(group.index);
     blocks_.push_back({.rows = std::move(rows),
@@ -40,7 +42,7 @@ class Blocks {
                        .from = group.is_relative() ? group.from : group.station,
                        .stated = group.stated,
                        .series = group.series,
-                       .group = g,
+                       .each = {first},
                        .first_angle = orientation > 0 ? 3 : count - rotation,
                        .angles = orientation + rotation});
   }
@@ -70,7 +72,11 @@ void ReadingPlaces::each_block(const StageFit& fit, std::size_t stride,
   Blocks blocks(fit);
   for (std::size_t k = 0; k < places_.size(); k += stride) {
     for (const std::uint32_t g : places_[k].groups) blocks.add(g);
-    for (ReadingBlock& one : blocks.all()) look(std::move(one));
+    for (ReadingBlock& one : blocks.all()) {
+      const Eigen::VectorXd mean = one.rows.rightCols<1>();
+      for (ReadingBlock::Visit& visit : one.each) visit.off -= mean;
+      look(std::move(one));
+    }
     blocks.all().clear();
   }
 }

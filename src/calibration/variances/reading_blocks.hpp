@@ -15,6 +15,12 @@ namespace paracal::detail {
 /// What one series reads at one pose (or from one pose to another), as the mean of its visits: rows [J | r], J by the
 /// unknowns, divided by the standard deviations with which the readings entered.
 struct ReadingBlock {
+  /// One visit: its place among the groups, and how far its residuals are from their mean.
+  struct Visit {
+    std::size_t group;
+    Eigen::VectorXd off;
+  };
+
   Eigen::MatrixXd rows;
   Eigen::MatrixXd by_joint;       ///< H, by the joints there
   Eigen::MatrixXd by_from_joint;  ///< by those of the pose that it is relative to; empty: to none
@@ -23,7 +29,7 @@ struct ReadingBlock {
   std::size_t station = 0, from = 0;
   bool stated = false;
   std::size_t series = 0;
-  std::size_t group = 0;                     ///< the first of these readings, by its place
+  std::vector<Visit> each = {};
   Eigen::Index first_angle = 0, angles = 0;  ///< rows of an orientation, or of a rotation
 };
 

@@ -54,7 +54,7 @@ std::vector<ReflectorPlace> reflector_places(const StageFit& fit, const Measurem
     if (std::ranges::none_of(turns, [](const Eigen::Matrix3d& one) { return one.norm() > kTurned; })) continue;
     Eigen::MatrixXd effect = Eigen::MatrixXd::Zero(readings.y.size(), 3);
     for (std::size_t k = 0; k < readings.blocks.size(); ++k) {
-      const Group& group = observation.groups()[readings.blocks[k].group];
+      const Group& group = observation.groups()[readings.blocks[k].each.front().group];
       if (observation.series_of(group).quantity() != Quantity::coordinate) continue;
       const Eigen::MatrixXd moved = observation.by_position(group, {*stations, fit.fit().parameters});
       effect.middleRows(readings.first[k], moved.rows()) = moved * turns[group.station];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace paracal::detail {
@@ -50,6 +51,14 @@ std::optional<std::size_t> Trials::likeliest_set_with(std::size_t fact) const {
   for (std::size_t k = 0; k < sets.size(); ++k) {
     if (!holds(sets[k], fact)) continue;
     if (!best || tables[k + 1].probability > tables[*best + 1].probability) best = k;
+  }
+  return best;
+}
+
+double Trials::log_odds() const {
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < tables.size(); ++k) {
+    best = std::max(best, std::log(tables[k].probability / tables.front().probability));
   }
   return best;
 }

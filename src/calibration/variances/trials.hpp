@@ -19,6 +19,8 @@ struct Trials {
   double probability(std::size_t fact) const;
   /// Facts that are at least as probable as this; of an error and a set of errors that holds it the set.
   std::vector<std::size_t> certain(double least) const;
+  /// Logarithm of the odds of the best set against none.
+  double log_odds() const;
   /// How far it is off in the most probable set that holds it.
   double off(std::size_t fact) const;
   /// Its size there; of the noise of a series as its own table finds it.

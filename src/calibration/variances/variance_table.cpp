@@ -129,19 +129,32 @@ void VarianceTable::list_visits() {
 }
 
 Eigen::MatrixXd VarianceTable::covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const {
-  const auto variance = [&](std::size_t term) { return std::exp(2.0 * u(static_cast<Eigen::Index>(term))); };
-  Eigen::MatrixXd V = Eigen::MatrixXd::Zero(rows_of(block), rows_of(block));
+  Eigen::MatrixXd V = covariance_of_visits(block, u) / block.visits;
+  add_joints_to(block, u, Spreads::poses, V);
+  return V;
+}
+
+Eigen::MatrixXd VarianceTable::covariance_of_visits(const ReadingBlock& block, const Eigen::VectorXd& u) const {
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(rows_of(block), rows_of(block));
   Eigen::Index row = 0;
-  for (const std::size_t noise : noise_of(block)) V(row, row) = variance(noise) / block.visits, ++row;
-  const double unit = std::pow(readings_->joint_per_mm, 2);
+  for (const std::size_t noise : noise_of(block)) {
+    W(row, row) = std::exp(2.0 * u(static_cast<Eigen::Index>(noise)));
+    ++row;
+  }
+  add_joints_to(block, u, Spreads::visits, W);
+  return W;
+}
+
+void VarianceTable::add_joints_to(const ReadingBlock& block, const Eigen::VectorXd& u, Spreads what,
+                                  Eigen::MatrixXd& V) const {
+  const auto variance = [&](std::size_t term) { return std::exp(2.0 * u(static_cast<Eigen::Index>(term))); };
+  const double unit = std::pow(readings_->joint_per_mm, 2), alike = variance(term_of(what));
   for (Eigen::Index joint = 0; joint < block.by_joint.cols(); ++joint) {
-    const auto both = [&](Spreads what) { return variance(term_of(what, joint)) + variance(term_of(what)); };
-    const double each = unit * (both(Spreads::visits) / block.visits + both(Spreads::poses));
+    const double each = unit * (variance(term_of(what, joint)) + alike);
     V += each * block.by_joint.col(joint) * block.by_joint.col(joint).transpose();
     if (block.by_from_joint.size() == 0) continue;
     V += each * block.by_from_joint.col(joint) * block.by_from_joint.col(joint).transpose();
   }
-  return V;
 }
 
 Eigen::MatrixXd VarianceTable::covariance_beside_errors(const Eigen::VectorXd& u) const {

@@ -43,8 +43,16 @@ class VarianceTable {
   /// The same readings where these facts are otherwise.
   VarianceTable with(const std::vector<const Fact*>& facts) const;
 
+  /// Adds an effect on the readings (rows x sizes) whose sizes have this standard deviation.
+  void add_effect(const Eigen::MatrixXd& effect, double size);
+
+  /// Visits scatter like this about their mean: of each block of the readings, as its `scatter`.
+  void take_scatter(const std::vector<Eigen::MatrixXd>& of_blocks);
+
   /// V of one block by itself: readings that share a pose share how far its joints are off; here each has its own.
   Eigen::MatrixXd covariance_of(const ReadingBlock& block, const Eigen::VectorXd& u) const;
+  /// How the visits of one block scatter about what is the same at each of them.
+  Eigen::MatrixXd covariance_of_visits(const ReadingBlock& block, const Eigen::VectorXd& u) const;
   /// N(u): V without the errors, which is what noise, visits and poses add. Its lower triangle alone.
   Eigen::MatrixXd covariance_beside_errors(const Eigen::VectorXd& u) const;
   /// L(u): all errors are L t with t ~ N(0, I) before any reading.
@@ -108,6 +116,8 @@ class VarianceTable {
   void add_errors(const StageFit& fit, const DriveSplines& drives);
   VarianceTerm term_of_errors(Spreads what, std::vector<Eigen::Index> places, const Eigen::MatrixXd& covariance) const;
   void list_visits();
+  /// What the joints of a block do by these terms.
+  void add_joints_to(const ReadingBlock& block, const Eigen::VectorXd& u, Spreads what, Eigen::MatrixXd& V) const;
   std::size_t term_of(Spreads what, Eigen::Index joint = -1) const;
   /// Term of the noise of each row of a block.
   std::vector<std::size_t> noise_of(const ReadingBlock& block) const;

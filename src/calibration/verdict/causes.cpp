@@ -22,6 +22,26 @@ std::string far_text(std::string_view subject, double deviations) {
       deviations);
 }
 
+std::string subjects_of(const FoundOrder& found) {
+  std::string subjects = found.effect.subject;
+  for (const std::string& other : found.others) subjects += " or " + other;
+  return subjects;
+}
+
+/// The half-width of each joint's play by the direction of its motion.
+std::string text_of_backlash(const FoundOrder& found, const Observation& observation) {
+  const Unit unit = joint_unit(observation.robot().actuator());
+  const Eigen::VectorXd halves = found.half_widths(static_cast<Eigen::Index>(observation.robot().limb_count()));
+  std::vector<std::string> widths;
+  for (const OrderEffect::Direction& one : found.effect.directions) {
+    widths.push_back(fmt::format("{:.2g}", to_file_unit(unit, 2.0 * halves(one.front().first))));
+  }
+  return fmt::format(
+      "{} stops elsewhere by the direction of its motion: backlash {} {}. The calibrated machine is the mean of both "
+      "directions, and U of a single visit includes the rest. Approach every pose from the same side",
+      found.effect.subject, fmt::join(widths, ", "), file_unit(unit));
+}
+
 class Causes {
  public:
   Causes(const StageFit& fit, const CalibrationOptions& options, const VarianceTable& table,
@@ -209,6 +229,29 @@ std::string text_of(const Trials& trials, std::size_t fact, double noise) {
   }
   if (one.fact.errors.size() == 1) return far_text(one.subject, size);
   return fmt::format("{} are {:.1f} times as large as the tolerances: check them", one.subject, size);
+}
+
+Cause cause_of(const FoundOrder& found) { return found.effect.by == OrderedBy::sides ? Cause::backlash : Cause::drift; }
+
+std::string text_of_open(const FoundOrder& found) {
+  return fmt::format("{} {}. U includes it with this probability: visit every pose once, then again, to tell",
+                     subjects_of(found),
+                     found.effect.by == OrderedBy::sides ? "stops elsewhere by the direction of its motion"
+                                                         : "drifts along the order of the readings");
+}
+
+std::string text_of(const FoundOrder& found, const Observation& observation) {
+  const OrderEffect& effect = found.effect;
+  if (effect.by == OrderedBy::sides) return text_of_backlash(found, observation);
+  const std::string drifts =
+      fmt::format("{} drifts along the order of the readings and moves them by up to {:.2g} mm from their mean",
+                  subjects_of(found), found.largest);
+  if (effect.by == OrderedBy::set_up) {
+    return drifts + ". The readings are corrected. Fix the instrument, and read home now and then";
+  }
+  return drifts +
+         ". The calibrated machine is that of the mean time, and U includes the drift. Possible cause: temperature. "
+         "Warm up the machine before the measurement";
 }
 
 std::string text_of_group(Spreads what, double factor) {

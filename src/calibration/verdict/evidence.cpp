@@ -246,6 +246,7 @@ bool state_evidence(const Measurements& measurements, const StageFit& fit,
   add_parameters(fit, held, explanation ? explanation->with_drives : Eigen::VectorXd(), calibration);
   if (everything) describe_set_up(fit, spread, calibration);
   Observation nominal(calibration.robot, measurements, calibration.options, {});
+  nominal.take_off_as(observation);
   const auto nominal_unknowns = fit_nominal(nominal, observation);
   const auto after = snapshot(observation, answer.parameters);
   const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calibration/variances/drive_choice.hpp"
+#include "calibration/variances/order_effects.hpp"
 #include "causes.hpp"
 #include "numerics/distributions.hpp"
 
@@ -29,12 +30,15 @@ class Explainer {
       if (places.count() == 0) return std::nullopt;
       const std::size_t stride = stride_of(places);
       const LinearReadings readings = linear_readings(fit_, places, stride, drives_);
-      WeighedTable none = weighed(VarianceTable(fit_, readings, drives_, options_.discrepancies));
+      WeighedTable none = weighed(table_of(readings));
       const double evidence = none.mode.log_evidence;
       if (!std::isfinite(evidence)) return std::nullopt;  // something is left open
       if (facts < kMostFacts && weigh_series(none)) continue;
       SuspectedFacts suspected = suspected_facts(fit_, measurements_, options_, none.table, none.mode.u);
+      const std::optional<FoundOrder> order = best_order(fit_, none);
       Trials trials = trials_of(std::move(none), std::move(suspected));
+      if (facts < kMostFacts && order && order->log_odds > trials.log_odds() && adopt(*order)) continue;
+      open_order_ = order && order->probability() >= 0.5 ? order : std::nullopt;
       if (facts < kMostFacts && (adopt(trials) || (!mount_ && widen_group(trials.tables.front())))) continue;
       if (mount_) {
         return Explanation{
@@ -55,6 +59,13 @@ class Explainer {
     constexpr std::size_t kMostRows = 240;  // of a table: more tell variances no better, and cost their cube
     constexpr std::size_t kRows = 3;        // of a place, about
     return (places.count() * kRows + kMostRows - 1) / kMostRows;
+  }
+
+  /// The sizes of what was taken off the readings are not exact.
+  VarianceTable table_of(const LinearReadings& readings) const {
+    VarianceTable table(fit_, readings, drives_, options_.discrepancies);
+    for (const FoundOrder& one : orders_) table.add_effect(on_means(one.effect, readings), one.size());
+    return table;
   }
 
   static WeighedTable weighed(VarianceTable table) {
@@ -110,6 +121,16 @@ class Explainer {
     std::vector<double>& factors = observation.components().series;
     factors.resize(observation.series().size(), 1.0);
     return factors;
+  }
+
+  /// Takes what goes with the order off the readings, where it is certain enough.
+  bool adopt(const FoundOrder& found) {
+    if (found.probability() < 1.0 - options_.largest_doubt) return false;
+    causes_.push_back({cause_of(found), text_of(found, fit_.observation()), found.probability(), true});
+    take_off(found, fit_);
+    orders_.push_back(found);
+    fit_.settle();
+    return true;
   }
 
   /// Takes facts to be so that are certain enough.
@@ -203,6 +224,9 @@ class Explainer {
   Explanation described(VariancePosterior posterior, const Trials& trials, double log_evidence) {
     const VarianceTable& table = trials.tables.front().table;
     add_causes(fit_, options_, trials, posterior, causes_);
+    if (open_order_ && open_order_->effect.by != OrderedBy::set_up) {
+      causes_.push_back({cause_of(*open_order_), text_of_open(*open_order_), open_order_->probability(), false});
+    }
     Explanation all{
         .means = std::move(posterior.errors),
         .covariance = std::move(posterior.covariance),
@@ -226,7 +250,21 @@ class Explainer {
       all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
       all.visit_std.setZero();
     }
+    for (const FoundOrder& one : orders_) add_order(one, 1.0, all);
+    if (open_order_) add_order(*open_order_, open_order_->probability(), all);
     return all;
+  }
+
+  /// What goes with the order, with its probability. A machine that drifts may be what it was at either end; a joint
+  /// stops on either side of its mean.
+  void add_order(const FoundOrder& found, double probability, Explanation& all) const {
+    const Observation& observation = fit_.observation();
+    const Eigen::VectorXd halves = found.half_widths(all.visit_std.size());
+    all.visit_std = (all.visit_std.cwiseAbs2() + probability * halves.cwiseAbs2()).cwiseSqrt().eval();
+    if (found.effect.by != OrderedBy::machine) return;
+    const Eigen::Index n = observation.source_count();
+    const Eigen::VectorXd off = found.farthest(observation).tail(n);
+    all.covariance.topLeftCorner(n, n) += probability * off * off.transpose();
   }
 
   StageFit& fit_;
@@ -234,6 +272,8 @@ class Explainer {
   const CalibrationOptions& options_;
   DriveSplines drives_;
   std::vector<Component> causes_;
+  std::vector<FoundOrder> orders_;
+  std::optional<FoundOrder> open_order_;  ///< more probable than not, and not certain
   std::optional<ReflectorMount> mount_;
 };
 

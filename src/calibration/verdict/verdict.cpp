@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "calibration/variances/reading_order.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/error.hpp"
 #include "paracal/units.hpp"
@@ -72,6 +73,11 @@ void add_assumptions(const StageFit& fit, const std::optional<Explanation>& expl
   }
   if (calibration.visit_std.size() > 0) {
     assume("the machine is as warm and as loaded in operation as during the measurement");
+    if (!returns_to_poses(fit.observation())) {
+      assume(
+          "nothing drifted during the measurement: no pose was visited again after others, so drift looks like errors "
+          "of parts. Visit all poses once, then all again, to see it");
+    }
     assume(
         "parts are rigid where single errors are concerned: uneven drives and parts that bend look like errors of "
         "parts (U of poses includes both)");

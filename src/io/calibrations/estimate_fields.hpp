@@ -9,8 +9,8 @@ namespace paracal::io {
 inline constexpr std::string_view kCalibrationSchema = "calibration.schema.json";
 
 template <>
-inline constexpr std::array<std::string_view, 6> kWords<Cause>{"visits", "motion", "parts",
-                                                               "pose",   "noise",  "reflector"};
+inline constexpr std::array<std::string_view, 8> kWords<Cause>{"visits", "motion",    "parts", "pose",
+                                                               "noise",  "reflector", "drift", "backlash"};
 enum class ParameterStatus : std::uint8_t { identified, prior, fixed };
 template <>
 inline constexpr std::array<std::string_view, 3> kWords<ParameterStatus>{"identified", "prior", "fixed"};
@@ -120,7 +120,7 @@ struct List<Component> {
   static void fields(auto&& field) {
     field("cause", &Component::cause,
           "joints that do not repeat, joints or drives that are off, parts, a pose, the noise of "
-          "an instrument, or the place of a reflector");
+          "an instrument, the place of a reflector, drift, or backlash");
     field("text", &Component::text, "in words");
     field("probability", &Component::probability, "after the readings", kShare);
     field("told", &Component::told, "true: the notes contain it");
