@@ -117,8 +117,9 @@ class OrderSearch {
       if (one.order == &order) return one;
     }
     const Eigen::Index factors = order.drift.cols() + order.sides.cols();
-    OrderInRows& all = orders_.emplace_back(&order, Eigen::MatrixXd(readings_.y.size(), factors),
-                                            Eigen::MatrixXd(std::ssize(off_), factors));
+    orders_.push_back(
+        {&order, Eigen::MatrixXd(readings_.y.size(), factors), Eigen::MatrixXd(std::ssize(off_), factors)});
+    OrderInRows& all = orders_.back();
     Eigen::Index next = 0;
     const auto at = [&](std::size_t group) {
       Eigen::RowVectorXd row(factors);
