@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -272,7 +273,26 @@ std::vector<Eigen::MatrixXd> scatter_without(const FoundOrder& found, const Line
   return all;
 }
 
-/// The odds of an effect by a table in which it is so.
+/// Joints and drives do less than the noise of the mean readings, and this is as instruments have it.
+bool is_all_noise(const VarianceTable& table, const Eigen::VectorXd& u) {
+  constexpr double kHardly = 1.0;  // of the squares of the noise of mean readings
+  constexpr double kLarge = 1.5;   // times what is expected of instruments
+  const auto squares = [&](std::initializer_list<Spreads> kinds) {
+    double sum = 0.0;
+    for (const Spreads what : kinds) {
+      for (const std::size_t term : table.terms_of(what)) {
+        sum += std::exp(2.0 * u(static_cast<Eigen::Index>(term))) * table.terms()[term].trace();
+      }
+    }
+    return sum;
+  };
+  const double noise = squares({Spreads::noise, Spreads::stated_noise, Spreads::orientation_noise});
+  const bool is_known = table.noise_of_visits().has_value() || !(table.largest_unstated_noise(u) > kLarge);
+  return is_known && squares({Spreads::visits, Spreads::poses, Spreads::drives}) < kHardly * noise;
+}
+
+/// The odds of an effect by a table in which it is so. Drift where no pose is visited again may be what goes with the
+/// place: it has to explain all that noise does not.
 void give_own_table(const StageFit& fit, const WeighedTable& none, FoundOrder& one) {
   const LinearReadings& readings = none.table.readings();
   VarianceTable own = none.table;
@@ -281,7 +301,9 @@ void give_own_table(const StageFit& fit, const WeighedTable& none, FoundOrder& o
   const VarianceTable::Mode mode = own.mode();
   one.log_odds = std::log(one.effect.odds) + mode.log_evidence - none.mode.log_evidence;
   if (std::isfinite(one.log_odds)) one.log_odds -= OrderSearch(fit, own, mode.u).cost_of_visits(one);
-  if (!std::isfinite(one.log_odds)) one.log_odds = -std::numeric_limits<double>::infinity();
+  const bool may_be_of_place = one.effect.by != OrderedBy::sides && !one.effect.order->tells_drift;
+  const bool is_told = !may_be_of_place || is_all_noise(own, mode.u);
+  if (!is_told || !std::isfinite(one.log_odds)) one.log_odds = -std::numeric_limits<double>::infinity();
 }
 
 /// The machine rather than an instrument where both explain the readings: U then includes its drift.

@@ -89,12 +89,28 @@ class OrderedSeries {
   std::span<const Group> readings_;
 };
 
+/// A good part of the time of a reading is not that of its pose.
+bool tells_drift(const Observation& observation, const Eigen::VectorXd& time) {
+  constexpr double kPart = 0.1;  // of the squares: home at every tenth reading is enough
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<double, double>> sums;  // visits, times
+  for (std::size_t g = 0; g < observation.groups().size(); ++g) {
+    const Group& one = observation.groups()[g];
+    auto& [visits, sum] = sums[{one.series, one.station}];
+    visits += 1.0;
+    sum += time(static_cast<Eigen::Index>(g));
+  }
+  double of_poses = 0.0;
+  for (const auto& [pose, sum] : sums) of_poses += sum.second * sum.second / sum.first;
+  return time.squaredNorm() - of_poses > kPart * time.squaredNorm();
+}
+
 }  // namespace
 
 std::vector<std::shared_ptr<const ReadingOrder>> reading_orders(const Observation& observation) {
   const auto count = static_cast<Eigen::Index>(observation.groups().size());
   const auto joints = static_cast<Eigen::Index>(observation.robot().limb_count());
-  ReadingOrder rows{Eigen::MatrixXd::Zero(count, ReadingOrder::kDegrees), Eigen::MatrixXd::Zero(count, joints)};
+  ReadingOrder rows{.drift = Eigen::MatrixXd::Zero(count, ReadingOrder::kDegrees),
+                    .sides = Eigen::MatrixXd::Zero(count, joints)};
   ReadingOrder passes = rows;
   for (std::size_t series = 0; series < observation.series().size(); ++series) {
     const std::span<const Group> readings = observation.groups_of(series);
@@ -105,6 +121,8 @@ std::vector<std::shared_ptr<const ReadingOrder>> reading_orders(const Observatio
     one.add(by_passes(readings), passes);
   }
   std::vector<std::shared_ptr<const ReadingOrder>> all;
+  rows.tells_drift = tells_drift(observation, rows.drift.col(0));
+  passes.tells_drift = tells_drift(observation, passes.drift.col(0));
   const bool is_other = passes.drift != rows.drift;
   all.push_back(std::make_shared<ReadingOrder>(std::move(rows)));
   if (is_other) all.push_back(std::make_shared<ReadingOrder>(std::move(passes)));

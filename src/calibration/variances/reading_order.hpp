@@ -18,6 +18,9 @@ struct ReadingOrder {
   /// Legendre's polynomials of degree 1 to 3 of the time from -1 to 1 over the series, less their means over its
   /// readings in use.
   Eigen::MatrixXd drift;
+  /// Poses are visited again after others. Else errors that go with the place, as those of uneven drives, go with the
+  /// time where poses follow a path.
+  bool tells_drift = false;
   /// 1 where a joint came from below, -1 from above, 0 where nothing tells.
   Eigen::MatrixXd sides;
 };
