@@ -213,6 +213,20 @@ TEST_P(Judged, WhatGoesWithTheOrderOfTheReadingsIsNamed) {
   }
 }
 
+/// One visit of ten: not a joint that scatters at each visit, whose standard deviation is a third of what it then
+/// stands off. One machine in ten sticks fewer than three times.
+TEST_P(Judged, AJointThatSticksNowAndThenIsNamedAndAnyVisitIsWithinU) {
+  for (const char* name : {"sticks 0.02 deg at one visit of ten", "sticks 0.1 deg at one visit of ten"}) {
+    SCOPED_TRACE(name);
+    const Judgement all = in(name, {.claim = 24, .quick = 6});
+    EXPECT_EQ(all.accepted, all.machines);
+    EXPECT_GE(notes_with(all, " sticks: "), 0.8 * all.machines - 1.0);
+    for (const int exceeded : all.visit_exceeded) EXPECT_LE(exceeded, exceeded_at_most(all));
+  }
+  const Judgement loose = in("loose 0.02 deg", {.claim = 24, .quick = 6});
+  EXPECT_EQ(notes_with(loose, " sticks: "), 0);
+}
+
 /// Where readings tell which parts: e_y of two limbs of huang2016 whose rods are parallel may each be the other's. Then
 /// both are listed.
 TEST_P(Judged, TwoWrongPartsAreNamedOrListed) {

@@ -96,6 +96,8 @@ TEST_F(Order, IsThatOfTheRowsAndOfPassesWhereTheyDiffer) {
   EXPECT_NEAR(passes(1) - passes(0),
               2.0 * static_cast<double>(stations.size()) / static_cast<double>(passes.size() - 1), 1e-12);
   EXPECT_LT(std::abs(rows.sum()), 1e-12);
+  EXPECT_FALSE(both[0]->tells_drift);
+  EXPECT_TRUE(both[1]->tells_drift);
   EXPECT_LT(both[1]->drift.colwise().sum().cwiseAbs().maxCoeff(), 1e-12);
 }
 

@@ -127,6 +127,7 @@ class Truth {
     Joints joints = believed_joints(robot_, station);
     const double side = random_.uniform() < 0.5 ? -1.0 : 1.0;
     if (visits) joints(loose_joint_) += lever * world_.loose * side;
+    if (visits && world_.sticks > 0.0 && random_.uniform() < 0.1) joints(loose_joint_) += lever * world_.sticks * side;
     for (Eigen::Index k = 0; k < joints.size(); ++k) {
       const double q = joints(k);
       if (k == 0 || !world_.one_drive) joints(k) += lever * world_.encoder_once_a_turn * std::sin(q / turn);
@@ -268,7 +269,7 @@ Measurements points(const Robot& robot, const World& world, Truth& truth, Noise&
     const bool is_first = world.in_passes ? row < poses : row % static_cast<std::size_t>(visits) == 0;
     if (is_first && !off[k].isZero()) truth.faults().push_back("pose " + station.name + " ");
     noise.next_reading();
-    const Pose there = world.loose > 0.0 ? truth.at(station, warm, true) : pose;
+    const Pose there = world.loose > 0.0 || world.sticks > 0.0 ? truth.at(station, warm, true) : pose;
     PointReading reading = read_point(robot, there, world, noise);
     const double time = static_cast<double>(k) / static_cast<double>(poses - 1);
     reading.point += world.drift * time * Eigen::Vector3d(0.48, 0.6, -0.64);
@@ -473,7 +474,7 @@ void judge_machine(const Bench& bench, const World& world, int number, bool with
   for (const Station& station : bench.others) {
     const Pose believed = predict(bench.robot, known, believed_joints(bench.robot, station)).pose;
     mean.push_back({believed, truth.at(station)});
-    const bool differs = world.loose > 0.0 || world.backlash_by_side > 0.0;
+    const bool differs = world.loose > 0.0 || world.sticks > 0.0 || world.backlash_by_side > 0.0;
     visit.push_back({believed, differs ? truth.at(station, true, true) : mean.back().actual});
   }
   for (std::size_t k = 1; k < bench.others.size(); ++k) {
@@ -515,6 +516,8 @@ std::vector<World> wrong_worlds() {
           {.name = "backlash 0.02 deg, noise known", .noise_is_known = true, .backlash = to_radians(0.02)},
           {.name = "loose 0.02 deg", .loose = to_radians(0.02)},
           {.name = "loose 0.02 deg, noise known", .noise_is_known = true, .loose = to_radians(0.02)},
+          {.name = "sticks 0.02 deg at one visit of ten", .sticks = to_radians(0.02)},
+          {.name = "sticks 0.1 deg at one visit of ten", .sticks = to_radians(0.1)},
           {.name = "one visit", .visits = 1},
           {.name = "one visit, loose 0.02 deg", .visits = 1, .loose = to_radians(0.02)},
           {.name = "drives uneven 0.0015 deg", .uneven = to_radians(0.0015), .errors_cannot_be_told = true},

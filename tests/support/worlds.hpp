@@ -36,6 +36,7 @@ struct World {
   // Of a carriage an angle is what it takes at the end of a rod.
   double backlash = 0.0;    ///< rad: each joint stands this much to one side at a pose, at every visit the same
   double loose = 0.0;       ///< rad: one joint stands this much to one side, anew at each visit
+  double sticks = 0.0;      ///< rad: one joint stands this much to one side at a tenth of the visits
   double uneven = 0.0;      ///< rad, root mean square of three harmonics of each joint's stroke
   double compliance = 0.0;  ///< mm: joints give way under the plate's weight, by this much at most
   double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley

@@ -100,6 +100,16 @@ CalibratedRegion region_of(const Measurements& measurements, const Observation& 
   return region;
 }
 
+/// Readings that were left out one by one are taken for mistakes of the measurement.
+void assume_mistakes(const Observation& observation, Calibration& calibration) {
+  const auto left_out =
+      std::ranges::count_if(observation.groups(), [](const Group& one) { return !one.active && !one.at_wrong_pose; });
+  if (left_out == 0) return;
+  calibration.assumed.push_back(
+      fmt::format("{} excluded: the machine did not really stand there. U does not cover it if it did",
+                  left_out == 1 ? "one reading is" : fmt::format("{} readings are", left_out)));
+}
+
 /// All readings; of more than are listed one by one those that were left out, and the worst of the others.
 void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
                   const std::vector<Contradiction>& contradictions, Calibration& calibration) {
@@ -261,6 +271,7 @@ bool state_evidence(const Measurements& measurements, const StageFit& fit,
   if (everything) {
     describe_readings(measurements, *before, *after, calibration);
     add_suspects(measurements, observation, after->placed(), suspects, calibration);
+    assume_mistakes(observation, calibration);
     state_guided_scatter(observation, after->placed(), found, calibration);
     add_components(calibration);
     if (explanation && explanation->repeats && !all_stated(observation)) {

@@ -11,6 +11,7 @@
 #include "calibration/variances/order_effects.hpp"
 #include "causes.hpp"
 #include "numerics/distributions.hpp"
+#include "sticking.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -296,6 +297,15 @@ void weigh_joints(StageFit& fit, Explanation& found) {
   fit.solve();
 }
 
+/// A joint that stops elsewhere at some visits alone scatters less than it then stands off: U is of any visit.
+void add_sticking(const StickingJoint& sticking, const Robot& robot, Explanation& found) {
+  std::erase_if(found.causes, [](const Component& one) { return one.cause == Cause::visits; });
+  found.causes.push_back({Cause::visits, text_of(sticking, robot), sticking.probability, true});
+  if (!sticking.may_be_often()) return;
+  double& std = found.visit_std(sticking.joint);
+  std = std::max(std, sticking.size / kCoverageFactor);
+}
+
 }  // namespace
 
 std::optional<Explanation> explained(StageFit& fit, const Measurements& measurements,
@@ -306,6 +316,7 @@ std::optional<Explanation> explained(StageFit& fit, const Measurements& measurem
   if (found->is_ambiguous) {  // not before: readings that are weighed by joints have their noise beside them
     found->joint_std = (found->joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();
   }
+  if (const auto sticking = sticking_joint(fit)) add_sticking(*sticking, fit.observation().robot(), *found);
   const Eigen::Index n = found->noise.rows();
   if (found->omitted_poses && found->omitted_poses->gain() > options.discrepancies.least_gain_of_drives) {
     const Eigen::VectorXd sizes = found->means.tail(found->means.size() - n);
