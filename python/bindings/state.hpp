@@ -86,11 +86,20 @@ PARACAL_FIELDS(SeriesFrame, name, frame, rotation_zero, second, body)
 PARACAL_FIELDS(PoseErrorSummary, max_abs_distance, rms_distance, max_volumetric, max_volumetric_aligned,
                reads_distances, rms_lengths, rms_joints, max_abs_rotation, max_orientation)
 PARACAL_FIELDS(InputFile, name, sha256)
-PARACAL_FIELDS(Calibration, robot, verdict, reasons, notes, assumed, parameters, covariance, noise_covariance,
-               noise_dof, joint_std, visit_std, drives, drive_covariance, drive_sizes, omitted_poses, region,
-               components, use, use_mean, rank, null_space, stages, before, after, readings, distances, points, lengths,
-               suspects, frames, set_ups, distance_bias, distance_bias_std, degrees_of_freedom, unit_weight_std,
-               fit_probability, noise, orientation_noise, chance, options, files)
+PARACAL_FIELDS(FitSummary, stages, rank, null_space, readings, degrees_of_freedom, unit_weight_std, fit_probability)
+PARACAL_FIELDS(FoundSetUps, frames, set_ups, distance_bias, distance_bias_std)
+PARACAL_FIELDS(FitResiduals, before, after, distances, points, lengths, suspects, noise, orientation_noise, chance)
+PARACAL_FIELDS(Posterior, expected, parameters, covariance, noise_covariance, noise_dof, joint_std, visit_std, drives,
+               drive_covariance, drive_sizes, omitted_poses, region, components)
+PARACAL_FIELDS(WorkspaceUse, use, use_mean)
+PARACAL_FIELDS(Outcome, verdict, reasons)
+PARACAL_FIELDS(Remarks, notes, assumed)
+/// Its parts are its bases, which no structured binding names.
+inline auto fields_of(const Calibration& of) {
+  return std::tuple<const FitSummary&, const FoundSetUps&, const FitResiduals&, const Posterior&, const WorkspaceUse&,
+                    const Outcome&, const Remarks&, const Robot&, const CalibrationOptions&,
+                    const std::vector<InputFile>&>(of, of, of, of, of, of, of, of.robot, of.options, of.files);
+}
 PARACAL_FIELDS(Pose, position, rotation, tilt)
 PARACAL_FIELDS(Station, name, commanded, believed, stated_in)
 PARACAL_FIELDS(DistanceReading, from, to, distance, rotation, distance_sigma)

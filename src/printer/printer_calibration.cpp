@@ -29,10 +29,11 @@ std::vector<std::string> all_implausible(const DeltaGeometry& saved, const Delta
 }
 
 /// What rests on a wrong file or on wrong readings corrects no program.
-void reject(const std::vector<std::string>& wrong, Calibration& calibration) {
+Calibration rejected(Calibration calibration, const std::vector<std::string>& wrong) {
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
   calibration.reasons.insert(calibration.reasons.begin(), wrong.begin(), wrong.end());
   calibration.use.reset();
+  return calibration;
 }
 
 /// Where no machine closes: with what is likely to be wrong.
@@ -115,7 +116,7 @@ class Owner {
                               .trigger = trigger_,
                               .print_radius = print_radius_};
     detail::advise(good, wrong, result);
-    if (!wrong.empty()) reject(wrong, result.programs.calibration);
+    if (!wrong.empty()) result.programs.calibration = rejected(std::move(result.programs.calibration), wrong);
     return result;
   }
 

@@ -72,7 +72,7 @@ Eigen::MatrixXd covariance_above_bed(const PrinterMachine& printer, const Calibr
   return detail::product(detail::product(by, both), by.transpose());
 }
 
-void move_above_bed(const PrinterMachine& printer, const DeltaGeometry& saved, Calibration& calibration) {
+Calibration above_bed(const PrinterMachine& printer, const DeltaGeometry& saved, Calibration calibration) {
   const bool stated = calibration.set_ups.front().covariance.size() > 0;
   if (stated) {
     calibration.covariance = covariance_above_bed(printer, calibration);
@@ -94,6 +94,7 @@ void move_above_bed(const PrinterMachine& printer, const DeltaGeometry& saved, C
   bed.unknowns = Eigen::Vector3d(printer.bed, 0.0, 0.0);
   bed.covariance.resize(0, 0);
   for (std::size_t k = 0; k < bed.told.size(); ++k) bed.told[k].second = bed.unknowns(static_cast<Eigen::Index>(k));
+  return calibration;
 }
 
 /// Known to half of what typical readings have, and far from zero: one unbiased printer in 80 is taken for a biased
@@ -116,7 +117,7 @@ std::optional<ProgramCalibration> calibrate_for_programs(const DeltaGeometry& sa
   Calibration calibration = fit(!readings.distances.empty());
   if (!readings.distances.empty() && !has_bias(calibration)) calibration = fit(false);
   if (calibration.set_ups.empty()) return std::nullopt;
-  move_above_bed(printer, saved, calibration);
+  calibration = above_bed(printer, saved, std::move(calibration));
   return ProgramCalibration{std::move(printer), std::move(measurements), std::move(calibration)};
 }
 

@@ -34,21 +34,21 @@ constexpr double kNoise = 0.017;  // mm
 class Accepted : public testing::Test {
  protected:
   Accepted() {
-    calibration.parameters = {{.limb = 0, .source = "theta_offset", .data_share = 0.9}};
-    calibration.use = Use{.distance = {0.03}, .aligned = {0.04}};
+    found.identifies_errors = true;
+    found.use = Use{.distance = {0.03}, .aligned = {0.04}};
     found.uncalibrated = Use{.distance = {3.0}, .aligned = {4.0}};
     found.allowed = 1.0;
   }
-  std::vector<std::string> reasons() const { return detail::unexplained(found, calibration); }
+  std::vector<std::string> reasons() const { return detail::unexplained(found, options); }
 
-  Calibration calibration{.robot = catalogue::rotary_delta()};
+  CalibrationOptions options;
   detail::Compared found;
 };
 
 TEST_F(Accepted, WhereAllIsExplained) { EXPECT_THAT(reasons(), IsEmpty()); }
 
 TEST_F(Accepted, NotWhereNothingIsIdentified) {
-  calibration.parameters.front().data_share = 0.49;
+  found.identifies_errors = false;
   EXPECT_THAT(reasons(), ElementsAre(HasSubstr("no error is identified")));
   found.combinations = 1.5;  // as of heights, which determine sums of errors
   EXPECT_THAT(reasons(), IsEmpty());
@@ -65,7 +65,7 @@ TEST_F(Accepted, NoiseOfAHundredTimesTheExpectedIsTheLimit) {
   found.unstated_noise = 99.0;
   EXPECT_THAT(reasons(), IsEmpty());
   found.unstated_noise = 500.0;
-  calibration.noise = 8.5;
+  found.noise = 8.5;
   EXPECT_THAT(reasons(), ElementsAre(HasSubstr("scatter 8.5 mm, 500 times the noise")));
 }
 
@@ -78,12 +78,12 @@ TEST_F(Accepted, JointsThatDoHalfOfWhatTolerancesDoAreTheLimit) {
 
 /// Better in one quantity, and in none worse by more than a tenth.
 TEST_F(Accepted, UIsComparedWithTheUncalibratedMachine) {
-  calibration.use->distance.U = 3.2;
+  found.use->distance.U = 3.2;
   EXPECT_THAT(reasons(), IsEmpty());
-  calibration.use->aligned.U = 4.1;
+  found.use->aligned.U = 4.1;
   EXPECT_THAT(reasons(), ElementsAre(HasSubstr("not below that of the uncalibrated machine (distances of 3.2 mm, by "
                                                "the tolerances alone 3 mm)")));
-  calibration.use->aligned.U = 4.5;
+  found.use->aligned.U = 4.5;
   EXPECT_THAT(reasons(), ElementsAre(HasSubstr("U of aligned positions over the workspace is 4.5 mm; before")));
 }
 
@@ -91,9 +91,9 @@ TEST_F(Accepted, UIsComparedWithTheUncalibratedMachine) {
 TEST(Uncalibrated, UIsThatOfTheTolerances) {
   const Robot robot = catalogue::rotary_delta();
   KnownErrors known{.errors = {}, .parameters = detail::all_with_priors(robot, {}), .covariance = {}};
-  Calibration calibration{.robot = robot};
-  for (const SoughtSource& one : known.parameters) calibration.parameters.push_back({one.limb, one.source});
-  const Eigen::MatrixXd tolerances = detail::covariance_of_tolerances(calibration);
+  Posterior posterior;
+  for (const SoughtSource& one : known.parameters) posterior.parameters.push_back({one.limb, one.source});
+  const Eigen::MatrixXd tolerances = detail::covariance_of_tolerances(robot, {}, posterior);
   known.covariance = 1e-4 * tolerances;
   const UseOfVisits use = use_over_workspace(robot, known, tolerances);
   ASSERT_TRUE(use.uncalibrated);
@@ -104,8 +104,8 @@ TEST(Uncalibrated, UIsThatOfTheTolerances) {
     EXPECT_NEAR(std::sqrt(tolerances(at, at)), *known.parameters[k].prior_std, 1e-12);
   }
   // A table of variances expects parts to be beyond them: of exp(u), u of mean 0.3, a mean square of 1 / (1 - 0.6).
-  calibration.visit_std = Eigen::VectorXd::Zero(3);
-  EXPECT_NEAR(detail::covariance_of_tolerances(calibration)(0, 0), 2.5 * tolerances(0, 0), 1e-12);
+  posterior.visit_std = Eigen::VectorXd::Zero(3);
+  EXPECT_NEAR(detail::covariance_of_tolerances(robot, {}, posterior)(0, 0), 2.5 * tolerances(0, 0), 1e-12);
 }
 
 /// The second half of a file in metres: of a machine whose fit settles, and of one whose fit does not.

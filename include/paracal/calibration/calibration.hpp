@@ -331,14 +331,46 @@ struct SeriesFrame {
   std::optional<RigidMotion> body = {};        ///< plate = body(body), mm
 };
 
-/// The machine's identified source errors with their evidence: enough to use them, to doubt them, and to repeat the
-/// fit.
-struct [[nodiscard]] Calibration {
-  Robot robot;
-  Verdict verdict = Verdict::not_converged;
-  std::vector<std::string> reasons = {};  ///< why it was not accepted; empty when it was
-  std::vector<std::string> notes = {};    ///< remarks on the result
-  std::vector<std::string> assumed = {};  ///< assumed values (not read and not stated)
+/// What a fit did, and what its readings determine.
+struct FitSummary {
+  std::vector<StageReport> stages = {};
+  int rank = 0;  ///< of the position group (and of the tilt group where tilt was measured)
+  std::vector<NullDirection> null_space = {};
+  std::size_t readings = 0;  ///< how many there were; more than 20,000 are not listed one by one in FitResiduals
+  int degrees_of_freedom = 0;
+  /// Root of the weighted residual sum over the degrees of freedom: 1 when the readings scatter as their sigmas say.
+  std::optional<double> unit_weight_std = {};
+  /// Probability that good readings scatter more than these, where their sigmas are known (chi-square).
+  std::optional<double> fit_probability = {};
+};
+
+/// Setups of the instruments, found with the errors.
+struct FoundSetUps {
+  std::vector<SeriesFrame> frames = {};
+  std::vector<FoundSetUp> set_ups = {};          ///< of lengths
+  std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm
+  std::optional<double> distance_bias_std = {};  ///< mm; U = 2 std, Student's k included
+};
+
+/// The readings against the nominal and the calibrated machine.
+struct FitResiduals {
+  PoseErrorSummary before = {}, after = {};
+  std::vector<DistanceResidual> distances = {};
+  std::vector<PointResidual> points = {};
+  std::vector<LengthResidual> lengths = {};
+  std::vector<Suspect> suspects = {};  ///< worst first; of more than 20,000: the excluded and the 100 worst
+  /// Standard deviation of a coordinate (of a distance where no points were read), mm, root mean square over the
+  /// readings: stated, or as the residuals say.
+  double noise = 0.0;
+  /// The same of an orientation about each axis, rad; empty where none was read.
+  std::optional<double> orientation_noise = {};
+  /// Probability that noise alone would have improved the fit this much; small is good.
+  std::optional<double> chance = {};
+};
+
+/// What is known of the machine after the readings.
+struct Posterior {
+  SourceErrors expected = {};  ///< before any reading: errors that are no parameters
   std::vector<ParameterEstimate> parameters = {};
   Eigen::MatrixXd covariance = {};        ///< of the parameters, mm and rad; empty where no std could be stated
   Eigen::MatrixXd noise_covariance = {};  ///< the part of it that comes from the noise of the readings
@@ -357,33 +389,33 @@ struct [[nodiscard]] Calibration {
   std::optional<OmittedPoses> omitted_poses = {};  ///< by which that was decided; empty: it could not be
   CalibratedRegion region = {};                    ///< of the poses whose readings count
   std::vector<Component> components = {};          ///< causes, the most probable first
-  std::optional<Use> use = {};                     ///< of any single visit; empty where no covariance could be stated
-  std::optional<Use> use_mean = {};                ///< of the mean of many visits
-  int rank = 0;  ///< of the position group (and of the tilt group where tilt was measured)
-  std::vector<NullDirection> null_space = {};
-  std::vector<StageReport> stages = {};
-  PoseErrorSummary before = {}, after = {};
-  std::size_t readings = 0;  ///< how many there were; more than 20,000 are not listed one by one below
-  std::vector<DistanceResidual> distances = {};
-  std::vector<PointResidual> points = {};
-  std::vector<LengthResidual> lengths = {};
-  std::vector<Suspect> suspects = {};  ///< worst first; of more than 20,000: the excluded and the 100 worst
-  std::vector<SeriesFrame> frames = {};
-  std::vector<FoundSetUp> set_ups = {};          ///< of lengths
-  std::optional<double> distance_bias = {};      ///< found in all distances alike, measured - true, mm
-  std::optional<double> distance_bias_std = {};  ///< mm; U = 2 std, Student's k included
-  int degrees_of_freedom = 0;
-  /// Root of the weighted residual sum over the degrees of freedom: 1 when the readings scatter as their sigmas say.
-  std::optional<double> unit_weight_std = {};
-  /// Probability that good readings scatter more than these, where their sigmas are known (chi-square).
-  std::optional<double> fit_probability = {};
-  /// Standard deviation of a coordinate (of a distance where no points were read), mm, root mean square over the
-  /// readings: stated, or as the residuals say.
-  double noise = 0.0;
-  /// The same of an orientation about each axis, rad; empty where none was read.
-  std::optional<double> orientation_noise = {};
-  /// Probability that noise alone would have improved the fit this much; small is good.
-  std::optional<double> chance = {};
+
+  /// The source errors of all limbs of a rigid machine; those not identified are as expected.
+  SourceErrors errors() const;
+};
+
+/// Uncertainty over the workspace.
+struct WorkspaceUse {
+  std::optional<Use> use = {};       ///< of any single visit; empty where no covariance could be stated
+  std::optional<Use> use_mean = {};  ///< of the mean of many visits
+};
+
+struct Outcome {
+  Verdict verdict = Verdict::not_converged;
+  std::vector<std::string> reasons = {};  ///< why it was not accepted; empty when it was
+
+  bool accepted() const { return verdict == Verdict::accepted; }
+};
+
+struct Remarks {
+  std::vector<std::string> notes = {};    ///< on the result
+  std::vector<std::string> assumed = {};  ///< values (not read and not stated)
+};
+
+/// The machine's identified source errors with their evidence: enough to use them, to doubt them, and to repeat the
+/// fit. Made of parts; each is the result of one function, and what follows from it reads that part alone.
+struct [[nodiscard]] Calibration : FitSummary, FoundSetUps, FitResiduals, Posterior, WorkspaceUse, Outcome, Remarks {
+  Robot robot;
   CalibrationOptions options = {};
   std::vector<InputFile> files = {};
 
@@ -395,9 +427,6 @@ struct [[nodiscard]] Calibration {
   };
   std::vector<Correlation> correlations(double threshold = 0.9) const;
 
-  bool accepted() const { return verdict == Verdict::accepted; }
-  /// The source errors of all limbs of a rigid machine; those not identified are zero.
-  SourceErrors errors() const;
   /// A few lines for a person: verdict, parameters, residuals.
   std::string brief() const;
 };

@@ -66,12 +66,12 @@ struct KnownErrors {
   Eigen::VectorXd joint_std_of_a_visit() const;
 };
 
-/// Of the machine with its drives where they belong to it (Calibration::drive_sizes), else of the rigid one.
-KnownErrors known_errors(const Calibration& calibration);
+/// Of the machine with its drives where they belong to it (Posterior::drive_sizes), else of the rigid one.
+KnownErrors known_errors(const Posterior& posterior);
 /// Of the rigid machine: its drives, where they are uneven, are a part of its uncertainty.
-KnownErrors rigid_errors(const Calibration& calibration);
+KnownErrors rigid_errors(const Posterior& posterior);
 
-/// Adds the splines of drives behind the parameters (Calibration::drives, drive_covariance).
+/// Adds the splines of drives behind the parameters (Posterior::drives, drive_covariance).
 void add_drives(const std::vector<SoughtSource>& drives, const Eigen::MatrixXd& covariance, KnownErrors& known);
 
 /// Gives a rigid machine with the splines of its drives their sizes, and the errors that go with them. With d from the

@@ -9,6 +9,7 @@
 #include "numerics/dense.hpp"
 #include "paracal/interruption.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "sought.hpp"
 #include "started.hpp"
 
 namespace paracal::detail {
@@ -69,24 +70,8 @@ void Observation::widen_priors(const Eigen::VectorXd& factors) {
   lay_out_priors();
 }
 
-/// prior_std has the share of common errors already.
 Eigen::MatrixXd Observation::prior_covariance() const {
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(source_count(), source_count());
-  for (Eigen::Index i = 0; i < source_count(); ++i) {
-    const SoughtSource& one = sought_[static_cast<std::size_t>(i)];
-    constexpr double kNone = 1e6;  // mm or rad: sought without a prior among others that have one
-    covariance(i, i) = std::pow(one.prior_std.value_or(kNone), 2);
-    for (Eigen::Index k = 0; k < i; ++k) {
-      const SoughtSource& other = sought_[static_cast<std::size_t>(k)];
-      if (!one.prior_std || !other.prior_std) continue;
-      for (const CommonError& error : options_.common) {
-        covariance(i, k) += prior_factor_(i) * prior_factor_(k) * error.std * error.std *
-                            error.direction(one.limb, one.source) * error.direction(other.limb, other.source);
-      }
-      covariance(k, i) = covariance(i, k);
-    }
-  }
-  return covariance;
+  return detail::prior_covariance(sought_, options_.common, prior_factor_);
 }
 
 void Observation::lay_out_priors() {

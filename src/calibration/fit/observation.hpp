@@ -58,7 +58,7 @@ class Observation {
   const VarianceComponents& components() const { return components_; }
   /// Makes the prior standard deviations of the sought errors as many times as large as they were given.
   void widen_priors(const Eigen::VectorXd& factors);
-  /// diag(prior^2) with what common errors correlate.
+  /// paracal::detail::prior_covariance() of the sought errors.
   Eigen::MatrixXd prior_covariance() const;
   /// W, W^T W the inverse of it: nothing of errors without a prior.
   Eigen::MatrixXd prior_root() const;
@@ -99,6 +99,12 @@ class Observation {
   /// Adds the rows of all active readings; false where the machine does not close. Where joints may be off by dq ~ N(0,
   /// S^2), those of each station together, whitened by V = I + H S^2 H^T.
   bool operator()(const Eigen::VectorXd& unknowns, InformationRoot& root) const;
+  /// Of the active readings, where the machine closes.
+  InformationRoot information(const Eigen::VectorXd& unknowns) const {
+    InformationRoot root(unknown_count());
+    (void)(*this)(unknowns, root);
+    return root;
+  }
   /// Calls look(place of the group, rows [J | r]) for every reading, in use or not.
   void check_each(const Eigen::VectorXd& unknowns,
                   const std::function<void(std::size_t, const Eigen::MatrixXd&)>& look) const;

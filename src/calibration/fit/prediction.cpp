@@ -154,28 +154,28 @@ KnownErrors with_drives(KnownErrors rigid, const Eigen::VectorXd& with_drives, c
   return known;
 }
 
-KnownErrors known_errors(const Calibration& calibration) {
-  KnownErrors rigid = rigid_errors(calibration);
-  if (calibration.drive_sizes.size() == 0) return rigid;
-  Eigen::VectorXd errors(std::ssize(calibration.parameters));
+KnownErrors known_errors(const Posterior& posterior) {
+  KnownErrors rigid = rigid_errors(posterior);
+  if (posterior.drive_sizes.size() == 0) return rigid;
+  Eigen::VectorXd errors(std::ssize(posterior.parameters));
   for (Eigen::Index k = 0; k < errors.size(); ++k) {
-    const ParameterEstimate& one = calibration.parameters[static_cast<std::size_t>(k)];
+    const ParameterEstimate& one = posterior.parameters[static_cast<std::size_t>(k)];
     errors(k) = one.with_drives.value_or(one.value);
   }
-  return with_drives(std::move(rigid), errors, calibration.drive_sizes, calibration.omitted_poses.value().gain());
+  return with_drives(std::move(rigid), errors, posterior.drive_sizes, posterior.omitted_poses.value().gain());
 }
 
-KnownErrors rigid_errors(const Calibration& calibration) {
-  KnownErrors known{.errors = calibration.errors(),
+KnownErrors rigid_errors(const Posterior& posterior) {
+  KnownErrors known{.errors = posterior.errors(),
                     .parameters = {},
-                    .covariance = calibration.covariance,
-                    .noise_covariance = calibration.noise_covariance,
-                    .noise_dof = calibration.noise_dof,
-                    .joint_std = calibration.joint_std,
-                    .visit_std = calibration.visit_std,
-                    .region = calibration.region};
-  for (const ParameterEstimate& one : calibration.parameters) known.parameters.push_back({one.limb, one.source});
-  add_drives(calibration.drives, calibration.drive_covariance, known);
+                    .covariance = posterior.covariance,
+                    .noise_covariance = posterior.noise_covariance,
+                    .noise_dof = posterior.noise_dof,
+                    .joint_std = posterior.joint_std,
+                    .visit_std = posterior.visit_std,
+                    .region = posterior.region};
+  for (const ParameterEstimate& one : posterior.parameters) known.parameters.push_back({one.limb, one.source});
+  add_drives(posterior.drives, posterior.drive_covariance, known);
   return known;
 }
 

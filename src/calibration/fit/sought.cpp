@@ -60,4 +60,26 @@ std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationO
   return sought;
 }
 
+/// prior_std has the share of common errors already.
+Eigen::MatrixXd prior_covariance(const std::vector<SoughtSource>& errors, const std::vector<CommonError>& common,
+                                 const Eigen::VectorXd& factors) {
+  const Eigen::Index count = std::ssize(errors);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SoughtSource& one = errors[static_cast<std::size_t>(i)];
+    constexpr double kNone = 1e6;  // mm or rad: sought without a prior among others that have one
+    covariance(i, i) = std::pow(one.prior_std.value_or(kNone), 2);
+    for (Eigen::Index k = 0; k < i; ++k) {
+      const SoughtSource& other = errors[static_cast<std::size_t>(k)];
+      if (!one.prior_std || !other.prior_std) continue;
+      for (const CommonError& error : common) {
+        covariance(i, k) += factors(i) * factors(k) * error.std * error.std * error.direction(one.limb, one.source) *
+                            error.direction(other.limb, other.source);
+      }
+      covariance(k, i) = covariance(i, k);
+    }
+  }
+  return covariance;
+}
+
 }  // namespace paracal::detail

@@ -27,4 +27,9 @@ std::vector<SoughtSource> paper_columns(const Robot& robot, const CalibrationOpt
 /// under its prior and leaving it out under that covariance are the same.
 std::vector<SoughtSource> all_with_priors(const Robot& robot, const CalibrationOptions& options);
 
+/// diag(prior^2) with what common errors correlate.
+/// @param factors  by which the priors are larger than they were given.
+Eigen::MatrixXd prior_covariance(const std::vector<SoughtSource>& errors, const std::vector<CommonError>& common,
+                                 const Eigen::VectorXd& factors);
+
 }  // namespace paracal::detail

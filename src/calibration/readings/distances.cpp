@@ -85,17 +85,15 @@ void Distances::add_to(ErrorTally& tally, std::span<const Group> of_series, cons
 }
 
 void Distances::list(const Group& group, const std::vector<Station>& stations, const Residual& before,
-                     const Residual& after, Calibration& calibration) const {
+                     const Residual& after, FitResiduals& all) const {
   const DistanceReading& reading = readings_[group.index];
-  calibration.distances.push_back({stations[reading.from].name, stations[reading.to].name, reading.distance,
-                                   before.length(0), after.length(0), reading.rotation, before.rotation, after.rotation,
-                                   !group.active});
+  all.distances.push_back({stations[reading.from].name, stations[reading.to].name, reading.distance, before.length(0),
+                           after.length(0), reading.rotation, before.rotation, after.rotation, !group.active});
 }
 
-void Distances::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                            Calibration& calibration) const {
-  calibration.distance_bias = bias(unknowns);
-  if (bias_ >= 0 && covariance.size() > 0) calibration.distance_bias_std = std::sqrt(covariance(bias_, bias_));
+void Distances::add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& /*remarks*/) const {
+  all.distance_bias = bias(found.values);
+  if (bias_ >= 0 && found.covariance.size() > 0) all.distance_bias_std = std::sqrt(found.covariance(bias_, bias_));
 }
 
 }  // namespace paracal::detail

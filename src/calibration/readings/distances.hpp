@@ -28,9 +28,8 @@ class Distances final : public ReadingSeries {
   std::string label(std::size_t index, const std::vector<Station>& stations) const override;
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
   void list(const Group& group, const std::vector<Station>& stations, const Residual& before, const Residual& after,
-            Calibration& calibration) const override;
-  void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                   Calibration& calibration) const override;
+            FitResiduals& all) const override;
+  void add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& remarks) const override;
 
  private:
   std::optional<double> bias(const Eigen::VectorXd& unknowns) const;

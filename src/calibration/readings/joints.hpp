@@ -27,10 +27,6 @@ class JointReadings final : public ReadingSeries {
   Residual residual(std::size_t index, const Placed& at) const override;
   std::string label(std::size_t index, const std::vector<Station>& stations) const override;
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
-  void list(const Group& /*group*/, const std::vector<Station>& /*stations*/, const Residual& /*before*/,
-            const Residual& /*after*/, Calibration& /*calibration*/) const override {}
-  void state_setup(const Eigen::VectorXd& /*unknowns*/, const Eigen::MatrixXd& /*covariance*/,
-                   Calibration& /*calibration*/) const override {}
 
  private:
   std::size_t stations_;

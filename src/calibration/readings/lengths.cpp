@@ -79,23 +79,20 @@ void Lengths::add_to(ErrorTally& tally, std::span<const Group> of_series, const 
 }
 
 void Lengths::list(const Group& group, const std::vector<Station>& stations, const Residual& before,
-                   const Residual& after, Calibration& calibration) const {
-  calibration.lengths.push_back({name(), stations[group.station].name, series_.kind,
-                                 series_.readings[group.index].length, before.length(0), after.length(0),
-                                 !group.active});
+                   const Residual& after, FitResiduals& all) const {
+  all.lengths.push_back({name(), stations[group.station].name, series_.kind, series_.readings[group.index].length,
+                         before.length(0), after.length(0), !group.active});
 }
 
-void Lengths::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                          Calibration& calibration) const {
-  FoundSetUp found{name(), series_.kind, set_up(unknowns), {}, model_.told(set_up(unknowns), series_)};
-  if (covariance.size() > 0) {
-    const auto rows = covariance.middleRows(first_, count_);
-    const auto errors = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
-    found.covariance.resize(count_, count_ + errors);
-    found.covariance << rows.middleCols(first_, count_), rows.rightCols(errors);
+void Lengths::add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& remarks) const {
+  FoundSetUp own{name(), series_.kind, set_up(found.values), {}, model_.told(set_up(found.values), series_)};
+  if (found.covariance.size() > 0) {
+    const auto rows = found.covariance.middleRows(first_, count_);
+    own.covariance.resize(count_, count_ + found.errors);
+    own.covariance << rows.middleCols(first_, count_), rows.rightCols(found.errors);
   }
-  calibration.set_ups.push_back(std::move(found));
-  if (!assumed_.empty()) calibration.assumed.push_back(assumed_);
+  all.set_ups.push_back(std::move(own));
+  if (!assumed_.empty()) remarks.assumed.push_back(assumed_);
 }
 
 }  // namespace paracal::detail

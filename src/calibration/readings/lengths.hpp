@@ -29,9 +29,8 @@ class Lengths final : public ReadingSeries {
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
   std::optional<LengthKind> length_kind() const override { return series_.kind; }
   void list(const Group& group, const std::vector<Station>& stations, const Residual& before, const Residual& after,
-            Calibration& calibration) const override;
-  void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                   Calibration& calibration) const override;
+            FitResiduals& all) const override;
+  void add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& remarks) const override;
 
  private:
   SetUp set_up(const Eigen::VectorXd& unknowns) const { return unknowns.segment(first_, count_); }

@@ -47,9 +47,8 @@ class Points final : public ReadingSeries {
   bool shows_gross_at_start() const override { return true; }
   void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const override;
   void list(const Group& group, const std::vector<Station>& stations, const Residual& before, const Residual& after,
-            Calibration& calibration) const override;
-  void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                   Calibration& calibration) const override;
+            FitResiduals& all) const override;
+  void add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& remarks) const override;
   Eigen::Index orientation_rows(std::size_t index) const override { return readings_[index].orientation ? 3 : 0; }
   Eigen::Index rotation_rows(std::size_t index) const override { return readings_[index].rotation ? 1 : 0; }
   /// instrument = frame(robot)
@@ -72,7 +71,6 @@ class Points final : public ReadingSeries {
   RigidMotion started_frame(const std::vector<StationState>& stations) const;
   BodySetUp started_body(const std::vector<StationState>& stations) const;
   BodySetUp started_reflector(const std::vector<StationState>& stations) const;
-  void state_assumption(const Eigen::MatrixXd& covariance, Calibration& calibration) const;
   std::optional<double> rotation_zero(const Eigen::VectorXd& unknowns) const;
   std::optional<Eigen::Vector3d> second_reflector(const Eigen::VectorXd& unknowns) const;
   Eigen::Matrix3d carrier(const StationState& station) const;

@@ -82,27 +82,22 @@ void Points::add_to(ErrorTally& tally, std::span<const Group> of_series, const P
 }
 
 void Points::list(const Group& group, const std::vector<Station>& stations, const Residual& before,
-                  const Residual& after, Calibration& calibration) const {
-  calibration.points.push_back({name(), stations[group.station].name, before.length, after.length, before.rotation,
-                                after.rotation, !group.active, before.orientation, after.orientation});
+                  const Residual& after, FitResiduals& all) const {
+  all.points.push_back({name(), stations[group.station].name, before.length, after.length, before.rotation,
+                        after.rotation, !group.active, before.orientation, after.orientation});
 }
 
-/// Where the plate hardly turns, the place of a body and that of the frame are one.
-void Points::state_assumption(const Eigen::MatrixXd& covariance, Calibration& calibration) const {
-  if (body_ < 0 || covariance.size() == 0) return;
-  const Eigen::Vector3d variances = covariance.diagonal().segment<3>(place_);
+void Points::add_set_up(const FoundUnknowns& found, FoundSetUps& all, Remarks& remarks) const {
+  all.frames.push_back({name(), frame(found.values), rotation_zero(found.values), second_reflector(found.values),
+                        body_ < 0 ? std::nullopt : std::optional(body(found.values))});
+  if (body_ < 0 || found.covariance.size() == 0) return;
+  // Where the plate hardly turns, the place of a body and that of the frame are one.
+  const Eigen::Vector3d variances = found.covariance.diagonal().segment<3>(place_);
   if (variances.maxCoeff() < 0.5 * kBodyReach * kBodyReach) return;
-  calibration.assumed.push_back(
+  remarks.assumed.push_back(
       fmt::format("the body of {} has its origin within about {:g} mm of the plate centre (standard deviation per "
                   "axis): the plate rotates too little to determine it",
                   name(), kBodyReach));
-}
-
-void Points::state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                         Calibration& calibration) const {
-  calibration.frames.push_back({name(), frame(unknowns), rotation_zero(unknowns), second_reflector(unknowns),
-                                body_ < 0 ? std::nullopt : std::optional(body(unknowns))});
-  state_assumption(covariance, calibration);
 }
 
 }  // namespace paracal::detail

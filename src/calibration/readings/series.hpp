@@ -89,6 +89,13 @@ struct Residual {
   }
 };
 
+/// All unknowns of a fit: the set-up, then the errors.
+struct FoundUnknowns {
+  const Eigen::VectorXd& values;
+  const Eigen::MatrixXd& covariance;  ///< U = 2 std whatever the degrees of freedom; empty where none could be stated
+  Eigen::Index errors = 0;            ///< how many of them are errors
+};
+
 /// Errors of the readings in use, as they come together over all series.
 struct ErrorTally {
   /// Of squares, mm^2.
@@ -170,12 +177,10 @@ class ReadingSeries {
   /// @param of_series  the groups of its readings; those in use count.
   virtual void add_to(ErrorTally& tally, std::span<const Group> of_series, const Placed& at) const = 0;
   /// Lists a reading with its residuals, measured minus predicted, at the nominal and the calibrated machine.
-  virtual void list(const Group& group, const std::vector<Station>& stations, const Residual& before,
-                    const Residual& after, Calibration& calibration) const = 0;
-  /// States what was found of the set-up.
-  /// @param covariance  of all unknowns, U = 2 std whatever the degrees of freedom; empty where none could be stated.
-  virtual void state_setup(const Eigen::VectorXd& unknowns, const Eigen::MatrixXd& covariance,
-                           Calibration& calibration) const = 0;
+  virtual void list(const Group& /*group*/, const std::vector<Station>& /*stations*/, const Residual& /*before*/,
+                    const Residual& /*after*/, FitResiduals& /*all*/) const {}
+  /// Adds what was found of the set-up, and what had to be assumed of it.
+  virtual void add_set_up(const FoundUnknowns& /*found*/, FoundSetUps& /*all*/, Remarks& /*remarks*/) const {}
 
  protected:
   double scale(const Eigen::VectorXd& unknowns) const { return scale_ < 0 ? 1.0 : 1.0 + unknowns(scale_); }

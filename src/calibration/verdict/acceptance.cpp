@@ -54,10 +54,10 @@ std::string without_gain(const std::vector<Gain>& all, double largest, bool uses
 
 /// Mean square of the factor by which parts of a group are beyond their tolerances, before any reading: its logarithm
 /// is exponentially distributed with this mean, where a table of variances was made (Spreads::positions).
-double beyond_tolerances(const Calibration& calibration) {
+double beyond_tolerances(const CalibrationOptions& options, const Posterior& posterior) {
   constexpr double kMost = 10.0;
-  if (calibration.visit_std.size() == 0) return 1.0;
-  const double rest = 1.0 - 2.0 * calibration.options.discrepancies.tolerances;
+  if (posterior.visit_std.size() == 0) return 1.0;
+  const double rest = 1.0 - 2.0 * options.discrepancies.tolerances;
   return rest > 1.0 / kMost ? 1.0 / rest : kMost;
 }
 
@@ -67,65 +67,55 @@ bool is_any(const Observation& observation, bool stated) {
 
 }  // namespace
 
-Compared compared(const StageFit& fit, const std::optional<Explanation>& explanation, const Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  const double scatter = has_priors(observation) ? 1.0 : calibration.unit_weight_std.value_or(1.0);
-  Compared found{.uses_tolerances = has_priors(observation)};
-  if (is_any(observation, true)) {
-    found.stated_noise = explanation ? explanation->stated_noise : calibration.unit_weight_std.value_or(1.0);
-  }
+Compared compared_with_expected(const Finished& of, const FitSummary& fit, const Posterior& posterior) {
+  const Observation& observation = of.observation();
+  const double scatter = fit.unit_weight_std.value_or(1.0);
+  Compared found{.identifies_errors = std::ranges::any_of(posterior.parameters, &ParameterEstimate::identified),
+                 .uses_tolerances = has_priors(observation)};
+  if (is_any(observation, true)) found.stated_noise = of.explanation ? of.explanation->stated_noise : scatter;
   if (is_any(observation, false)) {
+    const double beside = has_priors(observation) ? 1.0 : scatter;
     found.unstated_noise =
-        observation.components().unstated_noise * (explanation ? explanation->unstated_noise : scatter);
+        observation.components().unstated_noise * (of.explanation ? of.explanation->unstated_noise : beside);
   }
-  if (!explanation) return found;
-  found.absorbed = explanation->absorbed;
-  found.allowed = explanation->allowed;
+  if (!of.explanation) return found;
+  found.absorbed = of.explanation->absorbed;
+  found.allowed = of.explanation->allowed;
   return found;
 }
 
-Eigen::MatrixXd covariance_of_tolerances(const Calibration& calibration) {
-  const std::vector<SoughtSource> tolerated = all_with_priors(calibration.robot, calibration.options);
-  const Eigen::Index n = std::ssize(calibration.parameters);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const ParameterEstimate& one = calibration.parameters[static_cast<std::size_t>(i)];
-    const auto found = std::ranges::find_if(
-        tolerated, [&](const SoughtSource& other) { return other.limb == one.limb && other.source == one.source; });
-    if (found == tolerated.end()) continue;
-    if (!found->prior_std) return {};
-    covariance(i, i) = std::pow(*found->prior_std, 2);
-    for (Eigen::Index k = 0; k < i; ++k) {
-      const ParameterEstimate& other = calibration.parameters[static_cast<std::size_t>(k)];
-      for (const CommonError& error : calibration.options.common) {
-        covariance(i, k) +=
-            error.std * error.std * error.direction(one.limb, one.source) * error.direction(other.limb, other.source);
-      }
-      covariance(k, i) = covariance(i, k);
-    }
+Eigen::MatrixXd covariance_of_tolerances(const Robot& robot, const CalibrationOptions& options,
+                                         const Posterior& posterior) {
+  const std::vector<SoughtSource> tolerated = all_with_priors(robot, options);
+  std::vector<SoughtSource> errors;
+  for (const ParameterEstimate& one : posterior.parameters) {
+    SoughtSource error{one.limb, one.source, 0.0};
+    const auto found =
+        std::ranges::find_if(tolerated, [&](const SoughtSource& other) { return is_same_error(other, error); });
+    if (found != tolerated.end()) error = *found;
+    if (!error.prior_std) return {};
+    errors.push_back(error);
   }
-  return beyond_tolerances(calibration) * covariance;
+  return beyond_tolerances(options, posterior) *
+         prior_covariance(errors, options.common, Eigen::VectorXd::Ones(std::ssize(errors)));
 }
 
 namespace {
 
-std::string lack_of_gain(const Compared& found, const Calibration& calibration) {
-  if (!found.uncalibrated || !calibration.use) return {};
-  return without_gain(gains(*found.uncalibrated, *calibration.use), calibration.options.largest_use_ratio,
-                      found.uses_tolerances);
+std::string lack_of_gain(const Compared& found, const CalibrationOptions& options) {
+  if (!found.uncalibrated || !found.use) return {};
+  return without_gain(gains(*found.uncalibrated, *found.use), options.largest_use_ratio, found.uses_tolerances);
 }
 
 }  // namespace
 
-bool is_better_known(const Compared& found, const Calibration& calibration) {
-  return lack_of_gain(found, calibration).empty();
+bool is_better_known(const Compared& found, const CalibrationOptions& options) {
+  return lack_of_gain(found, options).empty();
 }
 
-std::vector<std::string> unexplained(const Compared& found, const Calibration& calibration) {
-  const CalibrationOptions& options = calibration.options;
+std::vector<std::string> unexplained(const Compared& found, const CalibrationOptions& options) {
   std::vector<std::string> reasons;
-  const bool is_single = std::ranges::any_of(calibration.parameters, &ParameterEstimate::identified);
-  if (!is_single && found.combinations < 1.0) {
+  if (!found.identifies_errors && found.combinations < 1.0) {
     reasons.emplace_back(
         "no error is identified: the tolerances say more of each than the readings do. Measure more poses or with less "
         "noise");
@@ -140,7 +130,7 @@ std::vector<std::string> unexplained(const Compared& found, const Calibration& c
     reasons.push_back(
         fmt::format("the readings scatter {} mm, {:.0f} times the noise of such an instrument: check units, pose "
                     "names and the instrument",
-                    two_digits(calibration.noise), found.unstated_noise));
+                    two_digits(found.noise), found.unstated_noise));
   }
   if (found.allowed > 0.0 && found.absorbed > options.largest_absorbed * found.allowed) {
     reasons.push_back(
@@ -149,7 +139,7 @@ std::vector<std::string> unexplained(const Compared& found, const Calibration& c
                     "joints",
                     two_digits(found.absorbed), two_digits(found.allowed)));
   }
-  if (std::string text = lack_of_gain(found, calibration); !text.empty()) reasons.push_back(std::move(text));
+  if (std::string text = lack_of_gain(found, options); !text.empty()) reasons.push_back(std::move(text));
   return reasons;
 }
 

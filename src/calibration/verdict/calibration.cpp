@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -15,35 +16,19 @@
 namespace paracal {
 
 std::string_view name(ReflectorMount mount) {
-  switch (mount) {
-    case ReflectorMount::plate:
-      return "plate";
-    case ReflectorMount::end_effector:
-      return "end-effector";
-    case ReflectorMount::end_effector_reversed:
-      return "end-effector-reversed";
-  }
-  return "";
+  constexpr std::array kNames{"plate", "end-effector", "end-effector-reversed"};
+  return kNames.at(static_cast<std::size_t>(mount));
 }
 
 std::string_view name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::accepted:
-      return "accepted";
-    case Verdict::rejected:
-      return "rejected";
-    case Verdict::not_identifiable:
-      return "not identifiable";
-    case Verdict::not_converged:
-      return "not converged";
-  }
-  return "";
+  constexpr std::array kNames{"accepted", "rejected", "not identifiable", "not converged"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
-SourceErrors Calibration::errors() const {
-  SourceErrors errors = options.expected.value_or(SourceErrors{});
-  for (const ParameterEstimate& parameter : parameters) errors(parameter.limb, parameter.source) = parameter.value;
-  return errors;
+SourceErrors Posterior::errors() const {
+  SourceErrors all = expected;
+  for (const ParameterEstimate& parameter : parameters) all(parameter.limb, parameter.source) = parameter.value;
+  return all;
 }
 
 std::vector<Calibration::Correlation> Calibration::correlations(double threshold) const {

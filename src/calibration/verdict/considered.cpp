@@ -50,46 +50,43 @@ Gains gains(const Eigen::MatrixXd& root, const std::vector<Eigen::Index>& scales
 
 }  // namespace
 
-std::vector<SoughtSource> consider_held(const Measurements& measurements, const StageFit& fit,
-                                        Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  if (has_priors(observation) || calibration.covariance.size() == 0) return {};
-  const std::vector<SoughtSource> tolerated = all_with_priors(calibration.robot, calibration.options);
-  std::vector<SoughtSource> held;
+Considered consider_held(const Finished& of, Eigen::MatrixXd covariance, Eigen::MatrixXd noise) {
+  const Observation& observation = of.observation();
+  Considered all{.covariance = std::move(covariance), .noise = std::move(noise)};
+  if (has_priors(observation) || all.covariance.size() == 0) return all;
+  const std::vector<SoughtSource> tolerated = all_with_priors(of.robot, of.options);
   for (const SoughtSource& one : tolerated) {
     const bool sought =
         std::ranges::any_of(observation.sought(), [&](const auto& other) { return is_same_error(one, other); });
-    if (!sought && one.prior_std) held.push_back(one);
+    if (!sought && one.prior_std) all.held.push_back(one);
   }
-  std::vector<SoughtSource> all = observation.sought();
-  all.insert(all.end(), held.begin(), held.end());
-  for (SoughtSource& one : all) one.prior_std.reset();
-  Observation whole(observation.robot(), measurements, calibration.options, all, true);
+  std::vector<SoughtSource> errors = observation.sought();
+  errors.insert(errors.end(), all.held.begin(), all.held.end());
+  for (SoughtSource& one : errors) one.prior_std.reset();
+  Observation whole(observation.robot(), of.measurements, of.options, errors, true);
   whole.groups() = observation.groups();
   whole.components() = observation.components();
-  const auto start = whole.start(observation.errors(fit.fit().parameters));
+  const auto start = whole.start(observation.errors(of.fit.fit().parameters));
   InformationRoot root(whole.unknown_count());
-  if (!start || !whole(*start, root)) return {};
+  if (!start || !whole(*start, root)) return {{}, std::move(all.covariance), std::move(all.noise)};
 
-  const Eigen::Index sought = observation.source_count(), count = std::ssize(held);
+  const Eigen::Index sought = observation.source_count(), count = std::ssize(all.held);
   const std::vector<Eigen::Index> scales = whole.scale_columns();
   const Gains gain = gains(root.root(), scales, whole.nuisance_count(), sought);
-  const double scale_variance = std::pow(calibration.options.scale_std, 2);
+  const double scale_variance = std::pow(of.options.scale_std, 2);
   Eigen::VectorXd held_variances(std::ssize(scales) + count);
-  held_variances << Eigen::VectorXd::Constant(std::ssize(scales), scale_variance), variances(held, tolerated);
+  held_variances << Eigen::VectorXd::Constant(std::ssize(scales), scale_variance), variances(all.held, tolerated);
   const Eigen::MatrixXd open = Eigen::MatrixXd::Identity(sought, sought) - gain.sought;
-  const Eigen::MatrixXd through = gain.held * held_variances.asDiagonal();
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(sought + count, sought + count), noise = covariance;
-  noise.topLeftCorner(sought, sought) = calibration.noise_covariance;
-  covariance.topLeftCorner(sought, sought) =
-      calibration.noise_covariance + product(through, gain.held.transpose()) +
+  const Eigen::MatrixXd through = gain.held * held_variances.asDiagonal(), of_noise = all.noise;
+  all.covariance = all.noise = Eigen::MatrixXd::Zero(sought + count, sought + count);
+  all.noise.topLeftCorner(sought, sought) = of_noise;
+  all.covariance.topLeftCorner(sought, sought) =
+      of_noise + product(through, gain.held.transpose()) +
       product(open * variances(observation.sought(), tolerated).asDiagonal(), open.transpose());
-  covariance.topRightCorner(sought, count) = -through.rightCols(count);
-  covariance.bottomLeftCorner(count, sought) = -through.rightCols(count).transpose();
-  covariance.bottomRightCorner(count, count).diagonal() = held_variances.tail(count);
-  calibration.covariance = covariance;
-  calibration.noise_covariance = noise;
-  return held;
+  all.covariance.topRightCorner(sought, count) = -through.rightCols(count);
+  all.covariance.bottomLeftCorner(count, sought) = -through.rightCols(count).transpose();
+  all.covariance.bottomRightCorner(count, count).diagonal() = held_variances.tail(count);
+  return all;
 }
 
 }  // namespace paracal::detail

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "calibration/fit/null_space.hpp"
-#include "considered.hpp"
 #include "guided_scatter.hpp"
 #include "numerics/distributions.hpp"
 #include "paracal/calibration/identifiability.hpp"
-#include "spread.hpp"
+#include "posterior.hpp"
 #include "verdict.hpp"
 
 namespace paracal::detail {
@@ -30,27 +31,6 @@ PoseErrorSummary summarize_fit(const Observation& observation, const Placed& at)
   return tally.finished();
 }
 
-/// The readings at one machine: unknowns and stations.
-struct Snapshot {
-  const Observation* observation = nullptr;
-  Eigen::VectorXd unknowns;
-  std::shared_ptr<const std::vector<StationState>> stations = {};
-
-  Placed placed() const { return {*stations, unknowns}; }
-  /// Of the active readings.
-  InformationRoot information() const {
-    InformationRoot root(observation->unknown_count());
-    (void)(*observation)(unknowns, root);  // closes, as there are stations
-    return root;
-  }
-};
-
-std::optional<Snapshot> snapshot(const Observation& observation, Eigen::VectorXd unknowns) {
-  auto stations = observation.stations(unknowns);
-  if (!stations) return std::nullopt;
-  return Snapshot{&observation, std::move(unknowns), std::move(stations)};
-}
-
 /// The same readings, with the same weights, for the nominal machine: frames and the like are all that is sought.
 std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observation& fitted) {
   nominal.components() = fitted.components();
@@ -65,138 +45,198 @@ std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observati
 /// else.
 constexpr std::size_t kLongestList = 20000;
 
-void add_residuals(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
-                   Calibration& calibration) {
-  if (after.observation->groups().size() > kLongestList) {
-    calibration.notes.push_back(
-        fmt::format("{} readings are too many to list: JSON and report show only statistics of their residuals",
-                    after.observation->groups().size()));
+/// The readings at one machine.
+struct Snapshot {
+  const Observation& observation;
+  Placed at;
+};
+
+/// Residuals of each reading.
+void list_residuals(const Finished& of, const Snapshot& before, const Snapshot& after, FitResiduals& all,
+                    Remarks& remarks) {
+  const std::vector<Group>& groups = of.observation().groups();
+  if (groups.size() > kLongestList) {
+    remarks.notes.push_back(fmt::format(
+        "{} readings are too many to list: JSON and report show only statistics of their residuals", groups.size()));
     return;
   }
-  for (const Group& group : after.observation->groups()) {
-    const auto residual = [&](const Snapshot& at) { return at.observation->residual(group, at.placed()).reversed(); };
-    after.observation->series_of(group).list(group, measurements.stations, residual(before), residual(after),
-                                             calibration);
+  for (const Group& group : groups) {
+    const auto residual = [&](const Snapshot& one) { return one.observation.residual(group, one.at).reversed(); };
+    of.observation().series_of(group).list(group, of.measurements.stations, residual(before), residual(after), all);
   }
-}
-
-/// Places in a plane, mirrored there, are places in a plane seen from its other side.
-void state_turned_over(const Robot& robot, Calibration& calibration) {
-  if (!robot.nominal().has_guides || !robot.freedoms().holds_z()) return;
-  for (const SeriesFrame& one : calibration.frames) {
-    if (one.frame.rotation(2, 2) >= 0.0) continue;
-    calibration.assumed.push_back(
-        fmt::format("the instrument of {} views the plane from the other side (z reversed), or one of x and y has the "
-                    "wrong sign. Points in a plane cannot distinguish these",
-                    one.name));
-  }
-}
-
-CalibratedRegion region_of(const Measurements& measurements, const Observation& observation) {
-  CalibratedRegion region;
-  for (const Group& group : observation.groups()) {
-    if (group.active) region.add(measurements.stations[group.station].commanded.position);
-  }
-  return region;
-}
-
-/// Readings that were left out one by one are taken for mistakes of the measurement.
-void assume_mistakes(const Observation& observation, Calibration& calibration) {
-  const auto left_out =
-      std::ranges::count_if(observation.groups(), [](const Group& one) { return !one.active && !one.at_wrong_pose; });
-  if (left_out == 0) return;
-  calibration.assumed.push_back(
-      fmt::format("{} excluded: the machine did not really stand there. U does not cover it if it did",
-                  left_out == 1 ? "one reading is" : fmt::format("{} readings are", left_out)));
 }
 
 /// All readings; of more than are listed one by one those that were left out, and the worst of the others.
-void add_suspects(const Measurements& measurements, const Observation& observation, const Placed& at,
-                  const std::vector<Contradiction>& contradictions, Calibration& calibration) {
+void list_suspects(const Finished& of, const Placed& at, FitResiduals& all, Remarks& remarks) {
   constexpr std::size_t kWorst = 100;
+  const Observation& observation = of.observation();
+  const std::vector<Station>& stations = of.measurements.stations;
+  const std::vector<Contradiction>& contradictions = of.fit.suspects();
   const std::size_t count = observation.groups().size();
   for (std::size_t place = 0; place < contradictions.size(); ++place) {
     const Contradiction& one = contradictions[place];
     const Group& group = observation.groups()[one.group];
     if (count > kLongestList && place >= kWorst && group.active) continue;
     const ReadingSeries& series = observation.series_of(group);
-    std::string text = series.label(group.index, measurements.stations);
+    std::string text = series.label(group.index, stations);
     if (!group.active && !group.at_wrong_pose) {  // else the note of the pose says so
-      const std::string why = series.explanation(group.index, at, measurements.stations);
+      const std::string why = series.explanation(group.index, at, stations);
       if (!why.empty()) text += ": " + why;
       const double size = std::sqrt(std::max(one.statistic, 0.0));  // no number where the reading overflows
-      calibration.notes.push_back(
-          std::isfinite(size) ? fmt::format("outlier excluded: {} (residual {:.0f} times the noise)", text, size)
-                              : fmt::format("outlier excluded: {}", text));
+      remarks.notes.push_back(std::isfinite(size)
+                                  ? fmt::format("outlier excluded: {} (residual {:.0f} times the noise)", text, size)
+                                  : fmt::format("outlier excluded: {}", text));
     }
-    calibration.suspects.push_back({std::move(text), one.statistic, one.chance(count), !group.active});
+    all.suspects.push_back({std::move(text), one.statistic, one.chance(count), !group.active});
   }
 }
 
-/// Values, standard deviations, their degrees of freedom and shares of information: the sought errors, then those held.
-/// @param with_drives  of the sought errors; empty: the machine is rigid.
-void add_parameters(const StageFit& fit, const std::vector<SoughtSource>& held, const Eigen::VectorXd& with_drives,
-                    Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  const Eigen::MatrixXd &covariance = calibration.covariance, &noise = calibration.noise_covariance;
-  std::vector<SoughtSource> all = observation.sought();
-  all.insert(all.end(), held.begin(), held.end());
-  for (Eigen::Index k = 0; k < std::ssize(all); ++k) {
-    const SoughtSource& one = all[static_cast<std::size_t>(k)];
-    ParameterEstimate parameter{.limb = one.limb, .source = one.source, .held = k >= observation.source_count()};
-    if (calibration.options.expected) parameter.expected = (*calibration.options.expected)(one.limb, one.source);
-    parameter.value = parameter.expected;
-    if (k < with_drives.size()) parameter.with_drives = parameter.expected + with_drives(k);
-    if (!parameter.held) parameter.value += fit.fit().parameters(observation.nuisance_count() + k);
-    parameter.prior_std = one.prior_std;
-    if (k < covariance.rows()) {
-      parameter.std = std::sqrt(covariance(k, k));
-      parameter.dof = calibration.noise_dof * std::pow(covariance(k, k) / std::max(noise(k, k), 1e-300), 2);
-    }
-    if (one.prior_std && parameter.std) {
-      parameter.data_share = 1.0 - std::min(1.0, std::pow(*parameter.std / *one.prior_std, 2));
-    }
-    calibration.parameters.push_back(parameter);
+/// Readings that were left out one by one are taken for mistakes of the measurement.
+void assume_mistakes(const Observation& observation, Remarks& remarks) {
+  const auto left_out =
+      std::ranges::count_if(observation.groups(), [](const Group& one) { return !one.active && !one.at_wrong_pose; });
+  if (left_out == 0) return;
+  remarks.assumed.push_back(
+      fmt::format("{} excluded: the machine did not really stand there. U does not cover it if it did",
+                  left_out == 1 ? "one reading is" : fmt::format("{} readings are", left_out)));
+}
+
+/// Where the readings are against both machines, without what chance would say of it.
+FitResiduals residuals_of(const Finished& of, const Snapshot& before, const Snapshot& after, const FitSummary& fit,
+                          Remarks& remarks) {
+  const Observation& observation = of.observation();
+  FitResiduals all{.before = summarize_fit(before.observation, before.at),
+                   .after = summarize_fit(observation, after.at)};
+  list_residuals(of, before, after, all, remarks);
+  const bool lists = of.options.method == Method::best && fit.stages.back().name == kFineStage;
+  if (lists) list_suspects(of, after.at, all, remarks);
+  assume_mistakes(observation, remarks);
+  const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
+  all.noise = reading_noise(observation) * (noise_is_scatter ? fit.unit_weight_std.value_or(1.0) : 1.0);
+  if (of.explanation && of.explanation->repeats && !all_stated(observation)) {
+    all.noise *= of.explanation->unstated_noise;
   }
+  all.orientation_noise = orientation_noise(observation);
+  return all;
 }
 
 /// Rank and null space: of the fit itself, or with priors, whose fit always has full rank, of the readings at the
 /// nominal machine.
-void state_rank(const Measurements& measurements, const Observation& observation, const LeastSquaresResult& fit,
-                Calibration& calibration) {
-  StageReport& stage = calibration.stages.back();
+void state_rank(const Finished& of, FitSummary& fit) {
+  const Observation& observation = of.observation();
   if (!has_priors(observation)) {
-    const Spectrum spectrum = analyse(projected_root(fit.at_answer, observation.source_count()), kRankTolerance);
-    calibration.rank = spectrum.rank;
-    calibration.null_space = in_words(calibration.robot, spectrum.null_space, observation.sought());
+    const Spectrum spectrum =
+        analyse(projected_root(of.fit.fit().at_answer, observation.source_count()), kRankTolerance);
+    fit.rank = spectrum.rank;
+    fit.null_space = in_words(of.robot, spectrum.null_space, observation.sought());
     return;
   }
-  const Identifiability seen = identifiability(calibration.robot, measurements, calibration.options);
-  stage.rank = calibration.rank = seen.rank;
-  stage.condition = 1.0 / seen.indices.O2;
+  const Identifiability seen = identifiability(of.robot, of.measurements, of.options);
+  fit.stages.back().rank = fit.rank = seen.rank;
+  fit.stages.back().condition = 1.0 / seen.indices.O2;
   for (const NullDirection& one : seen.null_space) {
-    calibration.null_space.push_back(
-        {one.text, among(one.direction, seen.parameters, observation.sought()), one.gauge});
+    fit.null_space.push_back({one.text, among(one.direction, seen.parameters, observation.sought()), one.gauge});
   }
+}
+
+FitSummary summary_of(const Finished& of, std::vector<StageReport> stages, const Scatter& scatter, bool ranks) {
+  const Observation& observation = of.observation();
+  FitSummary fit{.stages = std::move(stages),
+                 .readings = observation.groups().size(),
+                 .degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy)),
+                 .unit_weight_std = unit_weight_std(observation, scatter)};
+  if (ranks || !has_priors(observation)) state_rank(of, fit);
+  double freedom = scatter.redundancy;
+  if (visits_tell_noise(of, scatter)) {
+    fit.unit_weight_std = of.explanation->stated_noise;
+    freedom = fit.degrees_of_freedom;
+  }
+  if (fit.unit_weight_std && all_stated(observation)) {
+    fit.fit_probability = chi_square_tail(freedom * std::pow(*fit.unit_weight_std, 2), freedom);
+  }
+  return fit;
 }
 
 /// Where the instruments stood.
-void describe_set_up(const StageFit& fit, const Spread& spread, Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  const Eigen::MatrixXd expanded = spread.expanded(calibration.noise_dof);
-  for (const auto& series : observation.series()) series->state_setup(fit.fit().parameters, expanded, calibration);
-  state_turned_over(observation.robot(), calibration);
+FoundSetUps set_ups_of(const Finished& of, const Spread& spread, double noise_dof, Remarks& remarks) {
+  const Observation& observation = of.observation();
+  Eigen::MatrixXd expanded = spread.covariance;  // Student's k multiplies what comes of the noise, so that U = 2 std
+  const double wider = std::pow(coverage_factor(noise_dof) / kCoverageFactor, 2) - 1.0;
+  if (expanded.size() > 0) expanded += wider * spread.noise;
+  FoundSetUps all;
+  for (const auto& series : observation.series()) {
+    series->add_set_up({of.fit.fit().parameters, expanded, observation.source_count()}, all, remarks);
+  }
+  if (!of.robot.nominal().has_guides || !of.robot.freedoms().holds_z()) return all;
+  for (const SeriesFrame& one : all.frames) {  // places in a plane, mirrored there, are seen from its other side
+    if (one.frame.rotation(2, 2) >= 0.0) continue;
+    remarks.assumed.push_back(
+        fmt::format("the instrument of {} views the plane from the other side (z reversed), or one of x and y has the "
+                    "wrong sign. Points in a plane cannot distinguish these",
+                    one.name));
+  }
+  return all;
 }
 
-void describe_readings(const Measurements& measurements, const Snapshot& before, const Snapshot& after,
-                       Calibration& calibration) {
-  const Observation& observation = *after.observation;
-  add_residuals(measurements, before, after, calibration);
-  calibration.before = summarize_fit(*before.observation, before.placed());
-  calibration.after = summarize_fit(observation, after.placed());
-  const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
-  calibration.noise = reading_noise(observation) * (noise_is_scatter ? calibration.unit_weight_std.value_or(1.0) : 1.0);
-  calibration.orientation_noise = orientation_noise(observation);
+/// What a fit shows before anyone judges it.
+struct Findings {
+  FitSummary fit = {};
+  FoundSetUps set_ups = {};
+  FitResiduals residuals = {};
+  Posterior posterior = {};
+  Remarks remarks = {};
+  CalibrationOptions options = {};  ///< with what readings say of the controller
+  double found_parameters = 0.0;
+  bool are_complete = false;  ///< the nominal machine reaches every reading, too
+};
+
+/// What is said of everything that was found so far.
+void add_remarks(const Finished& of, const Placed& at, Findings& all) {
+  if (auto note = scatter_across_guides(of.observation(), at, all.found_parameters, of.options.tell_chance)) {
+    all.remarks.notes.push_back(std::move(*note));
+  }
+  add_causes(all.posterior, all.fit, of.options, all.remarks);
+  all.options.controller = with_readings(std::move(all.options.controller), of.measurements);
+  for (auto& more : {assumptions(of, all.posterior), controller_assumptions(all.options.controller, of.robot)}) {
+    std::ranges::copy(more, std::back_inserter(all.remarks.assumed));
+  }
+}
+
+Findings findings_of(const Finished& of, std::vector<StageReport> stages, std::vector<Component> components,
+                     Told told) {
+  const Observation& observation = of.observation();
+  const LeastSquaresResult& answer = of.fit.fit();
+  Findings all{.remarks = {.notes = of.measurements.notes}, .options = of.options};
+  if (told == Told::errors || answer.status == LeastSquaresStatus::not_evaluable) {
+    all.fit.stages = std::move(stages);
+    all.posterior = errors_alone(of, std::move(components));
+    return all;
+  }
+  const bool everything = told == Told::everything;
+  const Scatter scatter = of.fit.scatter();
+  all.fit = summary_of(of, std::move(stages), scatter, everything);
+  const Spread spread = spread_of(of, all.fit, scatter, everything || !of.explanation);
+  all.posterior = posterior_of(of, all.fit, scatter, spread, std::move(components));
+  if (everything) all.set_ups = set_ups_of(of, spread, all.posterior.noise_dof, all.remarks);
+  Observation nominal(of.robot, of.measurements, of.options, {});
+  nominal.take_off_as(observation);
+  const auto nominal_unknowns = fit_nominal(nominal, observation);
+  const auto stations = observation.stations(answer.parameters);
+  const auto nominal_stations = nominal_unknowns ? nominal.stations(*nominal_unknowns) : nullptr;
+  if (!stations || !nominal_stations) return all;
+  all.are_complete = true;
+  const Eigen::Index rows = has_priors(observation) ? 0 : observation.information(answer.parameters).row_count();
+  all.found_parameters = found_parameters(of.fit, rows, scatter);
+  if (everything) {
+    const Placed after{*stations, answer.parameters};
+    all.residuals =
+        residuals_of(of, {nominal, {*nominal_stations, *nominal_unknowns}}, {observation, after}, all.fit, all.remarks);
+    add_remarks(of, after, all);
+  }
+  all.residuals.chance =
+      chance_of(nominal.information(*nominal_unknowns).squared_residuals() - answer.at_answer.squared_residuals(),
+                all.found_parameters, scatter, all_stated(observation));
+  return all;
 }
 
 }  // namespace
@@ -212,80 +252,44 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
   return fisher_tail((gain / found) / (scatter.sum / scatter.redundancy), found, scatter.redundancy);
 }
 
-void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
-               Calibration& calibration) {
-  StageReport stage{.name = name, .iterations = iterations, .converged = fit.status == LeastSquaresStatus::converged};
+StageReport stage_report(std::string name, const StageFit& of) {
+  const Observation& observation = of.observation();
+  const LeastSquaresResult& fit = of.fit();
+  StageReport stage{.name = std::move(name), .iterations = of.iterations(), .converged = of.converged()};
   const auto stations =
       fit.status == LeastSquaresStatus::not_evaluable ? nullptr : observation.stations(fit.parameters);
-  if (stations) {
-    stage.rms_distance = summarize_fit(observation, {*stations, fit.parameters}).rms_distance;
-    if (!has_priors(observation)) {
-      const Spectrum spectrum = analyse(projected_root(fit.at_answer, observation.source_count()), kRankTolerance);
-      stage.rank = spectrum.rank;
-      const bool full = spectrum.rank == observation.source_count();
-      stage.condition = full && spectrum.rank > 0
-                            ? spectrum.singular_values(0) / spectrum.singular_values(spectrum.rank - 1)
-                            : std::numeric_limits<double>::infinity();
-    }
-  }
-  calibration.stages.push_back(std::move(stage));
+  if (!stations) return stage;
+  stage.rms_distance = summarize_fit(observation, {*stations, fit.parameters}).rms_distance;
+  if (has_priors(observation)) return stage;
+  const Spectrum spectrum = analyse(projected_root(fit.at_answer, observation.source_count()), kRankTolerance);
+  stage.rank = spectrum.rank;
+  const bool full = spectrum.rank == observation.source_count();
+  stage.condition = full && spectrum.rank > 0
+                        ? spectrum.singular_values(0) / spectrum.singular_values(spectrum.rank - 1)
+                        : std::numeric_limits<double>::infinity();
+  return stage;
 }
 
-void state_errors(const StageFit& fit, Calibration& calibration) {
-  if (fit.fit().status != LeastSquaresStatus::not_evaluable) add_parameters(fit, {}, {}, calibration);
-}
-
-bool state_evidence(const Measurements& measurements, const StageFit& fit,
-                    const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
-                    Told told, Calibration& calibration) {
-  const Observation& observation = fit.observation();
-  const LeastSquaresResult& answer = fit.fit();
-  if (answer.status == LeastSquaresStatus::not_evaluable) {
-    judge(answer, false, {}, calibration);
-    return true;
+Evidence evidence_of(const Finished& of, std::vector<StageReport> stages, std::vector<Component> components,
+                     Told told) {
+  Findings all = findings_of(of, std::move(stages), std::move(components), told);
+  StatedUse stated;
+  Compared compared;
+  if (all.are_complete) {
+    stated = use_of(of, all.fit, all.posterior);
+    if (stated.note) all.remarks.notes.push_back(std::move(*stated.note));
+    compared = compared_with_expected(of, all.fit, all.posterior);
+    compared.combinations = all.found_parameters;
+    compared.noise = all.residuals.noise;
+    compared.use = stated.use.use;
+    compared.uncalibrated = stated.uncalibrated;
   }
-  const bool everything = told == Told::everything;
-  const Scatter scatter = fit.scatter();
-  calibration.readings = observation.groups().size();
-  calibration.region = region_of(measurements, observation);
-  calibration.degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy));
-  if (everything || !has_priors(observation)) state_rank(measurements, observation, answer, calibration);
-  const Spread spread = state_uncertainty(measurements, fit, scatter, everything || !explanation, calibration);
-  if (explanation && calibration.covariance.size() > 0) take(*explanation, all_stated(observation), calibration);
-  const std::vector<SoughtSource> held = consider_held(measurements, fit, calibration);
-  add_parameters(fit, held, explanation ? explanation->with_drives : Eigen::VectorXd(), calibration);
-  if (everything) describe_set_up(fit, spread, calibration);
-  Observation nominal(calibration.robot, measurements, calibration.options, {});
-  nominal.take_off_as(observation);
-  const auto nominal_unknowns = fit_nominal(nominal, observation);
-  const auto after = snapshot(observation, answer.parameters);
-  const auto before = nominal_unknowns ? snapshot(nominal, *nominal_unknowns) : std::nullopt;
-  if (!after || !before) {
-    judge(answer, false, {}, calibration);
-    return true;
-  }
-  const Eigen::Index rows = has_priors(observation) ? 0 : after->information().row_count();
-  const double found = found_parameters(fit, rows, scatter);
-  calibration.chance = chance_of(before->information().squared_residuals() - answer.at_answer.squared_residuals(),
-                                 found, scatter, all_stated(observation));
-  if (everything) {
-    describe_readings(measurements, *before, *after, calibration);
-    add_suspects(measurements, observation, after->placed(), suspects, calibration);
-    assume_mistakes(observation, calibration);
-    state_guided_scatter(observation, after->placed(), found, calibration);
-    add_components(calibration);
-    if (explanation && explanation->repeats && !all_stated(observation)) {
-      calibration.noise *= explanation->unstated_noise;
-    }
-    add_assumptions(fit, explanation, calibration);
-    add_controller(measurements, calibration);
-  }
-  Compared found_beside = compared(fit, explanation, calibration);
-  found_beside.combinations = found;
-  found_beside.uncalibrated = state_use(fit, calibration);
-  add_promise_of_fine(measurements, calibration);
-  judge(answer, is_determined(fit, calibration), found_beside, calibration);
-  return is_better_known(found_beside, calibration);
+  const bool determined = all.are_complete && is_determined(of, all.fit);
+  Outcome outcome = outcome_of(of, all.fit, determined, all.residuals.chance, compared);
+  return {{std::move(all.fit), std::move(all.set_ups), std::move(all.residuals), std::move(all.posterior),
+           std::move(stated.use), std::move(outcome), std::move(all.remarks), of.robot, std::move(all.options),
+           of.measurements.files},
+          is_better_known(compared, of.options)};
 }
 
 }  // namespace paracal::detail

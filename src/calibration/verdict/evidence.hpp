@@ -2,11 +2,11 @@
 
 // Private to calibration: from a finished fit to numbers that can be signed.
 
+#include <string>
+#include <vector>
+
 #include "calibration/fit/as_given.hpp"
-#include "calibration/fit/observation.hpp"
-#include "calibration/fit/outliers.hpp"
-#include "calibration/fit/stage_fit.hpp"
-#include "explanation.hpp"
+#include "finished.hpp"
 
 namespace paracal::detail {
 
@@ -15,19 +15,18 @@ namespace paracal::detail {
 /// of freedom, or of a fit that diverged so far that numbers overflow.
 std::optional<double> chance_of(double gain, double found, const Scatter& scatter, bool sigmas_known);
 
-/// A stage without priors, by its own root.
-void add_stage(const char* name, const Observation& observation, const LeastSquaresResult& fit, int iterations,
-               Calibration& calibration);
+inline constexpr const char *kRoughStage = "rough", *kFineStage = "fine";
 
-/// Fills parameters with their values alone.
-void state_errors(const StageFit& fit, Calibration& calibration);
+/// Of a fit without priors by its own root.
+StageReport stage_report(std::string name, const StageFit& fit);
 
-/// Fills parameters, uncertainty, rank, residuals, suspects, notes and verdict.
-/// @param told  Told::verdict: of the same verdict, parameters and uncertainty alone.
-/// @param explanation  empty: the machine is taken to be its geometry.
-/// @return  is_better_known().
-bool state_evidence(const Measurements& measurements, const StageFit& fit,
-                    const std::optional<Explanation>& explanation, const std::vector<Contradiction>& suspects,
-                    Told told, Calibration& calibration);
+struct Evidence {
+  Calibration calibration;
+  bool is_better_known = true;  ///< U over the workspace is below that of the uncalibrated machine
+};
+
+/// @param stages  of this fit and of those before.
+/// @param components  causes that were found.
+Evidence evidence_of(const Finished& of, std::vector<StageReport> stages, std::vector<Component> components, Told told);
 
 }  // namespace paracal::detail

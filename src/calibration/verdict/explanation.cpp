@@ -42,8 +42,9 @@ class Explainer {
       open_order_ = order && order->probability() >= 0.5 ? order : std::nullopt;
       if (facts < kMostFacts && (adopt(trials) || (!mount_ && widen_group(trials.tables.front())))) continue;
       if (mount_) {
-        return Explanation{
-            .causes = std::move(causes_), .log_evidence = of_every_reading(readings, evidence), .mount = mount_};
+        return Explanation{.known = {.components = std::move(causes_)},
+                           .log_evidence = of_every_reading(readings, evidence),
+                           .mount = mount_};
       }
       trials.omit_improbable();
       if (stride > 1) {
@@ -229,27 +230,27 @@ class Explainer {
       causes_.push_back({cause_of(*open_order_), text_of_open(*open_order_), open_order_->probability(), false});
     }
     Explanation all{
+        .known = {.noise_covariance = std::move(posterior.noise),
+                  .joint_std = of_joints(Spreads::poses, table, posterior),
+                  .visit_std = of_joints(Spreads::visits, table, posterior),
+                  .drives = drives_.knots,
+                  .omitted_poses = omitted_poses(table, trials.tables.front().mode, reading_noise(fit_.observation())),
+                  .components = std::move(causes_)},
         .means = std::move(posterior.errors),
         .covariance = std::move(posterior.covariance),
-        .noise = std::move(posterior.noise),
-        .drives = drives_.knots,
-        .joint_std = of_joints(Spreads::poses, table, posterior),
-        .visit_std = of_joints(Spreads::visits, table, posterior),
         .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
         .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
-        .causes = std::move(causes_),
         .absorbed = at_plate({Spreads::visits, Spreads::poses, Spreads::drives}, table,
                              [&](std::size_t term) { return posterior.size(term); }),
         .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
         .repeats = table.noise_of_visits().has_value(),
         .is_ambiguous = !table.tells_noise(),
         .noise_as_joints = noise_as_joints(table, posterior),
-        .omitted_poses = omitted_poses(table, trials.tables.front().mode, reading_noise(fit_.observation())),
         .log_evidence = log_evidence,
         .mount = mount_};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
-      all.joint_std = (all.joint_std.cwiseAbs2() + all.visit_std.cwiseAbs2()).cwiseSqrt().eval();
-      all.visit_std.setZero();
+      all.known.joint_std = (all.known.joint_std.cwiseAbs2() + all.known.visit_std.cwiseAbs2()).cwiseSqrt().eval();
+      all.known.visit_std.setZero();
     }
     for (const FoundOrder& one : orders_) add_order(one, 1.0, all);
     if (open_order_) add_order(*open_order_, open_order_->probability(), all);
@@ -260,8 +261,8 @@ class Explainer {
   /// stops on either side of its mean.
   void add_order(const FoundOrder& found, double probability, Explanation& all) const {
     const Observation& observation = fit_.observation();
-    const Eigen::VectorXd halves = found.half_widths(all.visit_std.size());
-    all.visit_std = (all.visit_std.cwiseAbs2() + probability * halves.cwiseAbs2()).cwiseSqrt().eval();
+    Eigen::VectorXd& std = all.known.visit_std;
+    std = (std.cwiseAbs2() + probability * found.half_widths(std.size()).cwiseAbs2()).cwiseSqrt().eval();
     if (found.effect.by != OrderedBy::machine) return;
     const Eigen::Index n = observation.source_count();
     const Eigen::VectorXd off = found.farthest(observation).tail(n);
@@ -280,12 +281,12 @@ class Explainer {
 
 /// Where joints stand elsewhere at each pose by more than the noise, the fit weighs its readings by both.
 void weigh_joints(StageFit& fit, Explanation& found) {
-  const bool told =
-      std::ranges::any_of(found.causes, [](const Component& one) { return one.told && one.cause == Cause::motion; });
+  const bool told = std::ranges::any_of(found.known.components,
+                                        [](const Component& one) { return one.told && one.cause == Cause::motion; });
   if (!told) return;
   Observation& observation = fit.observation_to_change();
   const double before = observation.components().unstated_noise;
-  observation.let_joints_err(found.joint_std);
+  observation.let_joints_err(found.known.joint_std);
   if (found.unstated_noise > 0.0) observation.components().unstated_noise *= found.unstated_noise;
   fit.solve();
   if (fit.converged()) {
@@ -298,11 +299,11 @@ void weigh_joints(StageFit& fit, Explanation& found) {
 }
 
 /// A joint that stops elsewhere at some visits alone scatters less than it then stands off: U is of any visit.
-void add_sticking(const StickingJoint& sticking, const Robot& robot, Explanation& found) {
-  std::erase_if(found.causes, [](const Component& one) { return one.cause == Cause::visits; });
-  found.causes.push_back({Cause::visits, text_of(sticking, robot), sticking.probability, true});
+void add_sticking(const StickingJoint& sticking, const Robot& robot, Posterior& known) {
+  std::erase_if(known.components, [](const Component& one) { return one.cause == Cause::visits; });
+  known.components.push_back({Cause::visits, text_of(sticking, robot), sticking.probability, true});
   if (!sticking.may_be_often()) return;
-  double& std = found.visit_std(sticking.joint);
+  double& std = known.visit_std(sticking.joint);
   std = std::max(std, sticking.size / kCoverageFactor);
 }
 
@@ -313,21 +314,22 @@ std::optional<Explanation> explained(StageFit& fit, const Measurements& measurem
   std::optional<Explanation> found = Explainer(fit, measurements, options).explain();
   if (!found || found->mount) return found;
   weigh_joints(fit, *found);
+  Posterior& known = found->known;
   if (found->is_ambiguous) {  // not before: readings that are weighed by joints have their noise beside them
-    found->joint_std = (found->joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();
+    known.joint_std = (known.joint_std.cwiseAbs2() + found->noise_as_joints.cwiseAbs2()).cwiseSqrt().eval();
   }
-  if (const auto sticking = sticking_joint(fit)) add_sticking(*sticking, fit.observation().robot(), *found);
-  const Eigen::Index n = found->noise.rows();
-  if (found->omitted_poses && found->omitted_poses->gain() > options.discrepancies.least_gain_of_drives) {
-    const Eigen::VectorXd sizes = found->means.tail(found->means.size() - n);
-    if (!DriveCurves::complaint(found->drives, sizes)) {
-      found->with_drives = found->means.head(n);
-      found->drive_sizes = sizes;
-    }
+  if (const auto sticking = sticking_joint(fit)) add_sticking(*sticking, fit.observation().robot(), known);
+  const Eigen::Index n = known.noise_covariance.rows(), splines = found->means.size() - n;
+  if (known.omitted_poses && known.omitted_poses->gain() > options.discrepancies.least_gain_of_drives &&
+      !DriveCurves::complaint(known.drives, found->means.tail(splines))) {
+    found->with_drives = found->means.head(n);
+    known.drive_sizes = found->means.tail(splines);
   }
   Eigen::VectorXd off = found->means;  // from the machine of the fit, which has no splines
   off.head(n) -= fit.fit().parameters.tail(n);
   found->covariance += off * off.transpose();
+  known.covariance = found->covariance.topLeftCorner(n, n);
+  known.drive_covariance = found->covariance.bottomRows(splines);
   return found;
 }
 

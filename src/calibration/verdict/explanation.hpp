@@ -12,15 +12,10 @@ namespace paracal::detail {
 
 /// What is known of a machine when its variances have been averaged over.
 struct Explanation {
-  Eigen::VectorXd means = {};  ///< of errors of parts, then of the splines of drives
-  /// Mean squares about the machine of the fit: of errors of parts, then of the splines of drives, of which it has
-  /// none.
-  Eigen::MatrixXd covariance = {};
-  Eigen::MatrixXd noise = {};  ///< the part of the noise in that of parts
-  std::vector<SoughtSource> drives = {};
-  Eigen::VectorXd joint_std = {}, visit_std = {};   ///< at each pose, at each visit, rad or mm
+  Posterior known = {};             ///< about the machine of the fit, which has no splines; without its parameters
+  Eigen::VectorXd means = {};       ///< of errors of parts, then of the splines of drives
+  Eigen::MatrixXd covariance = {};  ///< mean squares of both
   double unstated_noise = 0.0, stated_noise = 1.0;  ///< over those with which readings entered
-  std::vector<Component> causes = {};
   double absorbed = 0.0;  ///< what joints, drives and poses do beside the geometry, mm at the plate
   double allowed = 0.0;   ///< what errors within their tolerances do there
   bool repeats = false;   ///< visits tell noise from joints
@@ -28,10 +23,8 @@ struct Explanation {
   /// readings scatter for either.
   bool is_ambiguous = false;
   Eigen::VectorXd noise_as_joints = {};  ///< of each joint that alone scatters the plate as much as the noise does
-  /// Where drives belong to the machine: its errors of parts, from their expectation, and the sizes of the splines.
-  Eigen::VectorXd with_drives = {}, drive_sizes = {};
-  std::optional<OmittedPoses> omitted_poses = {};
-  double log_evidence = 0.0;  ///< of every reading; no number where a table holds a part of them alone
+  Eigen::VectorXd with_drives = {};      ///< errors of parts where drives belong to the machine, from their expectation
+  double log_evidence = 0.0;             ///< of every reading; no number where a table holds a part of them alone
   /// The reflector is beside the axis or the centre of this mount: its place is to be sought.
   std::optional<ReflectorMount> mount = {};
 };

@@ -51,22 +51,23 @@ Squares squares_of(const Observation& observation, const Placed& at) {
 
 }  // namespace
 
-void state_guided_scatter(const Observation& observation, const Placed& at, double found, Calibration& calibration) {
+std::optional<std::string> scatter_across_guides(const Observation& observation, const Placed& at, double found,
+                                                 double tell_chance) {
   constexpr double kFewest = 3.0, kSeen = 1e-6;  // degrees of freedom, mm
   const Robot& robot = observation.robot();
-  if (!robot.nominal().has_guides || !robot.freedoms().holds_z()) return;
+  if (!robot.nominal().has_guides || !robot.freedoms().holds_z()) return std::nullopt;
   const Squares squares = squares_of(observation, at);
   const double across = squares.poses - 3.0 * squares.series;
   const double within = 2.0 * squares.poses - found - 3.0 * squares.series;
-  if (across < kFewest || within < kFewest) return;
+  if (across < kFewest || within < kFewest) return std::nullopt;
   const double of_across = squares.across / across, of_within = squares.within / within;
   const double mm = std::sqrt(squares.poses / squares.weight);  // a typical standard deviation of a pose's mean
-  if (!(mm * std::sqrt(of_across) > kSeen) || !(of_within > 0.0)) return;
-  if (fisher_tail(of_across / of_within, across, within) >= calibration.options.tell_chance) return;
-  calibration.notes.push_back(
-      fmt::format("points scatter {:.3g} mm across the plane of the guides, {:.3g} mm in it. Check the flatness of the "
-                  "guides and the instrument. U is valid in the plane only",
-                  mm * std::sqrt(of_across), mm * std::sqrt(of_within)));
+  if (!(mm * std::sqrt(of_across) > kSeen) || !(of_within > 0.0)) return std::nullopt;
+  if (fisher_tail(of_across / of_within, across, within) >= tell_chance) return std::nullopt;
+  return fmt::format(
+      "points scatter {:.3g} mm across the plane of the guides, {:.3g} mm in it. Check the flatness of the "
+      "guides and the instrument. U is valid in the plane only",
+      mm * std::sqrt(of_across), mm * std::sqrt(of_within));
 }
 
 }  // namespace paracal::detail

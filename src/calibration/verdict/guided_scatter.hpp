@@ -2,6 +2,9 @@
 
 // Private to calibration: what guides do that hold a plate in a plane.
 
+#include <optional>
+#include <string>
+
 #include "calibration/fit/observation.hpp"
 
 namespace paracal::detail {
@@ -12,11 +15,13 @@ namespace paracal::detail {
 ///
 ///   F = (squares across / (n - 3)) / (squares within / (2 n - found - 3))       3 a series: its plane, and its place
 ///
-/// with as many errors of the machine as were found, those that priors hold in part (found_parameters in spread.hpp),
-/// and where chance alone would show as much less often than options.tell_chance, a note says so: U holds in the plane.
+/// with as many errors of the machine as were found, those that priors hold in part (found_parameters in
+/// posterior.hpp). Where chance alone would show as much less often than `tell_chance`, U holds in the plane alone.
 /// What scatters across makes the fit believe all readings less, and find less of errors that priors hold; what is left
 /// of them in the plane counts as scatter: 5 % more than the noise in the mean of the template 3-rrr, 1 to 2 % of
 /// others.
-void state_guided_scatter(const Observation& observation, const Placed& at, double found, Calibration& calibration);
+/// @returns a note of that, else nothing.
+std::optional<std::string> scatter_across_guides(const Observation& observation, const Placed& at, double found,
+                                                 double tell_chance);
 
 }  // namespace paracal::detail

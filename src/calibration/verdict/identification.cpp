@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numeric>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -66,29 +65,13 @@ bool goes_fine(const Robot& robot, const Measurements& measurements, const Calib
   return !robot.is_level() || enough_for_fine(robot, measurements, options);
 }
 
-Calibration with_errors(const detail::StageFit& stage, Calibration calibration) {
-  detail::state_errors(stage, calibration);
-  return calibration;
-}
-
-Calibration finished(const Measurements& used, const detail::StageFit& stage,
-                     const std::optional<detail::Explanation>& explanation, Calibration calibration,
-                     detail::Told told) {
-  if (told == detail::Told::errors) return with_errors(stage, std::move(calibration));
-  detail::add_stage("fine", stage.observation(), stage.fit(), stage.iterations(), calibration);
-  const std::vector<detail::Contradiction> none;
-  const bool lists = told == detail::Told::everything && calibration.options.method != Method::paper;
-  detail::state_evidence(used, stage, explanation, lists ? stage.suspects() : none, told, calibration);
-  return calibration;
-}
-
 /// A fit, and what explains what it leaves.
 struct StageExplanation {
   detail::StageFit fit;
   std::optional<detail::Explanation> found = {};
 
   bool names_cause() const {
-    return found && std::ranges::any_of(found->causes, [](const Component& one) { return one.told; });
+    return found && std::ranges::any_of(found->known.components, [](const Component& one) { return one.told; });
   }
 };
 
@@ -143,26 +126,21 @@ Robot expected_robot(const Robot& robot, const CalibrationOptions& options) {
   return Robot(std::move(description));
 }
 
-/// The only reason against it.
-bool lacks_significance_alone(const Calibration& calibration) {
-  return calibration.verdict == Verdict::rejected && calibration.reasons.size() == 1 && calibration.chance &&
-         *calibration.chance > calibration.options.largest_chance;
-}
-
 /// Offsets alone left the machine less well known than its tolerances do, which the fine stage uses. That the readings
 /// show errors is known from the offsets, which are fewer: the fine fit need not show it again.
 /// @param offsets  rejected for their U alone.
 Calibration with_tolerances(const Robot& robot, const Measurements& measurements, CalibrationOptions options,
                             const Calibration& offsets, detail::Told told) {
   options.stage = Stage::fine;
-  Calibration calibration = detail::calibrate_as_given(robot, measurements, options, told);
-  calibration.options.stage = Stage::automatic;
-  if (lacks_significance_alone(calibration)) {
-    calibration.chance = offsets.chance;
-    calibration.reasons.clear();
-    calibration.verdict = Verdict::accepted;
+  Calibration fine = detail::calibrate_as_given(robot, measurements, options, told);
+  fine.options.stage = Stage::automatic;
+  const bool lacks_significance_alone = fine.verdict == Verdict::rejected && fine.reasons.size() == 1 && fine.chance &&
+                                        *fine.chance > fine.options.largest_chance;
+  if (lacks_significance_alone) {
+    fine.chance = offsets.chance;
+    static_cast<Outcome&>(fine) = {.verdict = Verdict::accepted};
   }
-  return calibration;
+  return fine;
 }
 
 }  // namespace
@@ -194,37 +172,40 @@ Calibration detail::calibrate_as_given(const Robot& robot, const Measurements& m
   if (paper) converted = as_distances(measurements);
   if (!paper && !biased) converted = detail::as_points(measurements);
   const Measurements& used = converted ? *converted : measurements;
-  Calibration calibration{.robot = robot, .notes = used.notes, .options = options, .files = measurements.files};
-
+  std::vector<StageReport> stages;
   // Not from lengths: to them offsets alone are hardly more than the set-up, as a plane's height and tilt.
   SourceErrors offsets;
   if (!fine || used.lengths.empty()) {
     detail::StageFit rough(centre, used, options, detail::encoder_offsets(robot, options), {});
     rough.solve();
-    detail::add_stage("rough", rough.observation(), rough.fit(), rough.iterations(), calibration);
+    stages.push_back(stage_report(kRoughStage, rough));
     if (!fine || rough.fit().status == LeastSquaresStatus::not_evaluable) {
-      if (told == Told::errors) return with_errors(rough, std::move(calibration));
-      const bool better_known = detail::state_evidence(used, rough, {}, {}, told, calibration);
-      const bool only_this = calibration.verdict == Verdict::rejected && calibration.reasons.size() == 1;
+      Evidence found = evidence_of({robot, used, options, rough}, std::move(stages), {}, told);
+      const bool only_this = found.calibration.verdict == Verdict::rejected && found.calibration.reasons.size() == 1;
       const bool may_go_fine = only_this && options.stage == Stage::automatic && !paper;
-      return !better_known && may_go_fine ? with_tolerances(robot, measurements, options, calibration, told)
-                                          : calibration;
+      return !found.is_better_known && may_go_fine
+                 ? with_tolerances(robot, measurements, options, found.calibration, told)
+                 : std::move(found.calibration);
     }
     offsets = rough.observation().errors(rough.fit().parameters);
   }
   detail::StageFit stage(centre, used, options, sought, offsets, !paper);
+  const auto finished = [&](const StageFit& fit, const Explanation* explanation) {
+    stages.push_back(stage_report(kFineStage, fit));
+    return evidence_of({robot, used, options, fit, explanation}, std::move(stages), std::move(causes), told)
+        .calibration;
+  };
   if (paper) {
     stage.solve_by_pseudo_inverse();
-    return finished(used, stage, {}, std::move(calibration), told);
+    return finished(stage, nullptr);
   }
   const StageExplanation best = fit_and_explain(used, std::move(stage), options);
-  if (best.found) causes.insert(causes.end(), best.found->causes.begin(), best.found->causes.end());
+  if (best.found) std::ranges::copy(best.found->known.components, std::back_inserter(causes));
   if (best.found && best.found->mount) {
     return calibrate_as_given(robot, measurements, seeking_reflector(options, *best.found->mount), told,
                               std::move(causes));
   }
-  calibration.components = std::move(causes);
-  return finished(used, best.fit, best.found, std::move(calibration), told);
+  return finished(best.fit, best.found ? &*best.found : nullptr);
 }
 
 }  // namespace paracal

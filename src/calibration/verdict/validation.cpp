@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -135,15 +136,8 @@ std::optional<ReflectorMount> likelier_mount(const Robot& robot, const KnownErro
 }  // namespace
 
 std::string_view name(Conformity conformity) {
-  switch (conformity) {
-    case Conformity::conforming:
-      return "conforming";
-    case Conformity::not_conforming:
-      return "not conforming";
-    case Conformity::undecided:
-      return "undecided";
-  }
-  return "";
+  constexpr std::array kNames{"conforming", "not conforming", "undecided"};
+  return kNames.at(static_cast<std::size_t>(conformity));
 }
 
 Validation validate(const Robot& robot, const KnownErrors& known, const Measurements& measurements,

@@ -26,12 +26,10 @@ std::string listed(const std::vector<SourceSelector>& selectors) {
 }
 
 /// A limit that U in use breaks, in words; empty when all are kept.
-std::string broken_limit(const Calibration& calibration) {
-  const AcceptanceLimits& limits = calibration.options.limits;
+std::string broken_limit(const AcceptanceLimits& limits, const std::optional<Use>& use) {
   if (!limits.any()) return {};
-  if (!calibration.use)
-    return "no uncertainty over the workspace is available to compare with the limits: measure more poses";
-  if (limits.rotation && !calibration.use->rotation)
+  if (!use) return "no uncertainty over the workspace is available to compare with the limits: measure more poses";
+  if (limits.rotation && !use->rotation)
     return "the limit on rotation does not apply to a plate that does not turn: remove it";
   const auto broken = [](const char* what, const UseQuantity& one, double unit, const char* name) {
     return one.kept() ? std::string()
@@ -40,20 +38,42 @@ std::string broken_limit(const Calibration& calibration) {
                             "poses, or each pose more often",
                             what, one.U * unit, name, *one.limit * unit, name);
   };
-  std::string text = broken("distances", calibration.use->distance, 1.0, "mm");
-  if (text.empty()) text = broken("aligned positions", calibration.use->aligned, 1.0, "mm");
-  if (text.empty() && calibration.use->rotation) {
-    text = broken("rotations", *calibration.use->rotation, to_degrees(1.0), "deg");
+  std::string text = broken("distances", use->distance, 1.0, "mm");
+  if (text.empty()) text = broken("aligned positions", use->aligned, 1.0, "mm");
+  if (text.empty() && use->rotation) {
+    text = broken("rotations", *use->rotation, to_degrees(1.0), "deg");
   }
   return text;
 }
 
+/// What seeking every error under its tolerance would be worth where the offsets alone were sought.
+std::optional<std::string> promise_of_fine(const Finished& of, const FitSummary& fit, const Use& use) {
+  const bool offsets_alone = of.options.method == Method::best && fit.stages.back().name == "rough";
+  if (!offsets_alone) return std::nullopt;
+  const Use fine = use_over_workspace(of.robot, promised(of.robot, of.measurements, of.options)).any;
+  if (fine.distance.U >= use.distance.U) return std::nullopt;
+  return fmt::format(
+      "only the encoder offsets were estimated: U of distances is {:.2g} mm. The fine stage (--stage fine) would reach "
+      "about {:.2g} mm",
+      use.distance.U, fine.distance.U);
+}
+
+Use limited(Use use, const AcceptanceLimits& limits) {
+  use.distance.limit = limits.distance;
+  use.aligned.limit = limits.volumetric;
+  if (use.rotation) use.rotation->limit = limits.rotation;
+  return use;
+}
+
 }  // namespace
 
-void add_assumptions(const StageFit& fit, const std::optional<Explanation>& explanation, Calibration& calibration) {
-  const CalibrationOptions& options = calibration.options;
-  const auto assume = [&](std::string_view text) { calibration.assumed.emplace_back(text); };
-  std::ranges::for_each(options.tolerances.value_or(tolerances_of(calibration.robot)).assumed, assume);
+std::vector<std::string> assumptions(const Finished& of, const Posterior& posterior) {
+  const CalibrationOptions& options = of.options;
+  const StageFit& fit = of.fit;
+  const Explanation* const explanation = of.explanation;
+  std::vector<std::string> assumed;
+  const auto assume = [&](std::string_view text) { assumed.emplace_back(text); };
+  std::ranges::for_each(options.tolerances.value_or(tolerances_of(of.robot)).assumed, assume);
   if (!options.fixed.empty()) assume(fmt::format("known exactly: {}", listed(options.fixed)));
   if (options.scale_std > 0.0) {
     assume(fmt::format(
@@ -62,7 +82,7 @@ void add_assumptions(const StageFit& fit, const std::optional<Explanation>& expl
   }
   const Scatter visits = scatter_of_visits(fit.observation(), fit.fit().parameters);
   const bool unstated = !all_stated(fit.observation());
-  const bool told = std::ranges::any_of(calibration.components,
+  const bool told = std::ranges::any_of(posterior.components,
                                         [](const Component& one) { return one.told && one.cause == Cause::motion; });
   if (explanation && explanation->is_ambiguous) {
     assume(
@@ -71,9 +91,9 @@ void add_assumptions(const StageFit& fit, const std::optional<Explanation>& expl
   } else if (unstated && visits.redundancy < 1.0 && !told) {
     assume("noise includes backlash, friction and load: no pose was visited twice and no noise is stated (--sigma-mm)");
   }
-  if (calibration.visit_std.size() > 0) {
+  if (posterior.visit_std.size() > 0) {
     assume("the machine is as warm and as loaded in operation as during the measurement");
-    const bool drifts = std::ranges::any_of(calibration.components,
+    const bool drifts = std::ranges::any_of(posterior.components,
                                             [](const Component& one) { return one.told && one.cause == Cause::drift; });
     if (!drifts && !returns_to_poses(fit.observation())) {
       assume(
@@ -92,102 +112,81 @@ void add_assumptions(const StageFit& fit, const std::optional<Explanation>& expl
     assume(fmt::format("the noise is {:.3g} mm: too few readings determine it (state yours with --sigma-mm)",
                        reading_noise(fit.observation())));
   }
-  const auto held = std::ranges::count(calibration.parameters, true, &ParameterEstimate::held);
+  const auto held = std::ranges::count(posterior.parameters, true, &ParameterEstimate::held);
   if (held > 0) {
     assume(fmt::format("{} other errors are fixed at nominal; every uncertainty includes their tolerances", held));
   }
+  return assumed;
 }
 
-void add_controller(const Measurements& measurements, Calibration& calibration) {
-  ControllerModel& controller = calibration.options.controller;
-  controller = with_readings(std::move(controller), measurements);
-  std::ranges::move(controller_assumptions(controller, calibration.robot), std::back_inserter(calibration.assumed));
-}
-
-std::optional<Use> state_use(const StageFit& fit, Calibration& calibration) {
-  if (!calibration.options.states_use || !fit.converged() || calibration.covariance.size() == 0) return {};
-  std::optional<Use> uncalibrated;
+StatedUse use_of(const Finished& of, const FitSummary& fit, const Posterior& posterior) {
+  if (!of.options.states_use || !of.fit.converged() || posterior.covariance.size() == 0) return {};
   try {
-    UseOfVisits use =
-        use_over_workspace(calibration.robot, known_errors(calibration), covariance_of_tolerances(calibration));
-    calibration.use = use.any;
-    calibration.use_mean = use.mean;
-    uncalibrated = use.uncalibrated;
+    const UseOfVisits found = use_over_workspace(of.robot, known_errors(posterior),
+                                                 covariance_of_tolerances(of.robot, of.options, posterior));
+    return {{limited(found.any, of.options.limits), limited(found.mean, of.options.limits)},
+            found.uncalibrated,
+            promise_of_fine(of, fit, found.any)};
   } catch (const Unreachable&) {
-    calibration.notes.emplace_back("the calibrated machine cannot reach its whole workspace: check the robot file");
-    return {};
+    return {.note = "the calibrated machine cannot reach its whole workspace: check the robot file"};
   }
-  const AcceptanceLimits& limits = calibration.options.limits;
-  for (std::optional<Use>* use : {&calibration.use, &calibration.use_mean}) {
-    (*use)->distance.limit = limits.distance;
-    (*use)->aligned.limit = limits.volumetric;
-    if ((*use)->rotation) (*use)->rotation->limit = limits.rotation;
-  }
-  return uncalibrated;
 }
 
-void add_components(Calibration& calibration) {
-  for (const Component& one : calibration.components) {
-    (one.told ? calibration.notes : calibration.assumed)
+void add_causes(const Posterior& posterior, const FitSummary& fit, const CalibrationOptions& options,
+                Remarks& remarks) {
+  for (const Component& one : posterior.components) {
+    (one.told ? remarks.notes : remarks.assumed)
         .push_back(fmt::format("{}{} (probability {:.0f} %)", one.told ? "" : "possibly, ", one.text,
                                std::floor(100.0 * one.probability)));
   }
-  if (calibration.fit_probability && 1.0 - *calibration.fit_probability < calibration.options.tell_chance) {
-    calibration.notes.push_back(
+  if (fit.fit_probability && 1.0 - *fit.fit_probability < options.tell_chance) {
+    remarks.notes.push_back(
         fmt::format("the readings scatter only {:.2g} times as much as their stated sigmas, so U is too large: state a "
                     "smaller sigma",
-                    *calibration.unit_weight_std));
+                    *fit.unit_weight_std));
   }
 }
 
-void add_promise_of_fine(const Measurements& measurements, Calibration& calibration) {
-  const bool offsets_alone = calibration.options.method == Method::best && calibration.stages.back().name == "rough";
-  if (!offsets_alone || !calibration.use) return;
-  const Robot& robot = calibration.robot;
-  const Use fine = use_over_workspace(robot, promised(robot, measurements, calibration.options)).any;
-  if (fine.distance.U >= calibration.use->distance.U) return;
-  calibration.notes.push_back(
-      fmt::format("only the encoder offsets were estimated: U of distances is {:.2g} mm. The fine stage (--stage fine) "
-                  "would reach about {:.2g} mm",
-                  calibration.use->distance.U, fine.distance.U));
-}
-
-void judge(const LeastSquaresResult& fit, bool determined, const Compared& found, Calibration& calibration) {
-  const auto say = [&](Verdict verdict, std::string_view reason) {
-    calibration.verdict = verdict;
-    calibration.reasons.emplace_back(reason);
-  };
-  if (fit.status == LeastSquaresStatus::not_evaluable) {
-    return say(Verdict::not_converged,
-               "the nominal machine cannot reach every station, or a reading is impossible: check that joints, "
-               "distances and sigmas belong to this robot (deg, mm)");
+Outcome outcome_of(const Finished& of, const FitSummary& fit, bool determined, const std::optional<double>& chance,
+                   const Compared& found) {
+  const LeastSquaresResult& answer = of.fit.fit();
+  if (answer.status == LeastSquaresStatus::not_evaluable) {
+    return {Verdict::not_converged,
+            {"the nominal machine cannot reach every station, or a reading is impossible: check that joints, "
+             "distances and sigmas belong to this robot (deg, mm)"}};
   }
-  if (fit.status == LeastSquaresStatus::not_converged) {
-    return say(
-        Verdict::not_converged,
-        fmt::format("the fit did not converge in {} iterations: check the input and the robot file", fit.iterations));
+  if (answer.status == LeastSquaresStatus::not_converged) {
+    return {Verdict::not_converged,
+            {fmt::format("the fit did not converge in {} iterations: check the input and the "
+                         "robot file",
+                         answer.iterations)}};
   }
-  const auto sought = std::ranges::count(calibration.parameters, false, &ParameterEstimate::held);
+  const Eigen::Index sought = of.observation().source_count();
   if (!determined) {
-    return say(Verdict::not_identifiable,
-               fmt::format("the readings determine {} of {} parameters: {}", calibration.rank, sought,
-                           calibration.options.free.empty()
-                               ? "measure more poses"
-                               : "give the errors of --free a tolerance, or fix a correlated one (--fix)"));
+    return {Verdict::not_identifiable,
+            {fmt::format("the readings determine {} of {} parameters: {}", fit.rank, sought,
+                         of.options.free.empty()
+                             ? "measure more poses"
+                             : "give the errors of --free a tolerance, or fix a correlated one (--fix)")}};
   }
-  if (!calibration.chance) {
-    return say(Verdict::rejected, fmt::format("{} readings for {} parameters leave no degrees of freedom to check the "
-                                              "fit: measure more poses or state their sigma",
-                                              calibration.readings, sought));
+  if (!chance) {
+    return {Verdict::rejected,
+            {fmt::format("{} readings for {} parameters leave no degrees of freedom to check the "
+                         "fit: measure more poses or state their sigma",
+                         fit.readings, sought)}};
   }
-  if (*calibration.chance > calibration.options.largest_chance) {
-    calibration.reasons.push_back(fmt::format(
+  std::vector<std::string> reasons;
+  if (*chance > of.options.largest_chance) {
+    reasons.push_back(fmt::format(
         "the improvement is not significant (p-value {:.2g}, limit {:g}): measure more poses or with less noise",
-        *calibration.chance, calibration.options.largest_chance));
+        *chance, of.options.largest_chance));
   }
-  std::ranges::move(unexplained(found, calibration), std::back_inserter(calibration.reasons));
-  if (std::string broken = broken_limit(calibration); !broken.empty()) calibration.reasons.push_back(std::move(broken));
-  calibration.verdict = calibration.reasons.empty() ? Verdict::accepted : Verdict::rejected;
+  std::ranges::move(unexplained(found, of.options), std::back_inserter(reasons));
+  if (std::string broken = broken_limit(of.options.limits, found.use); !broken.empty()) {
+    reasons.push_back(std::move(broken));
+  }
+  const Verdict verdict = reasons.empty() ? Verdict::accepted : Verdict::rejected;
+  return {verdict, std::move(reasons)};
 }
 
 }  // namespace paracal::detail

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "calibration/fit/as_given.hpp"
 #include "paracal/calibration/diagnosis.hpp"
@@ -74,14 +75,18 @@ bool is_explained(const Calibration& calibration, const Diagnosis& diagnosis) {
 
 /// What the fit found suspicious in readings and parts was the mistake's doing: only what the import noted remains.
 /// Parameters and U stay, rejected: they say how far off such readings are.
-void add_diagnosis(const Diagnosis& diagnosis, const Measurements& measurements, Calibration& calibration) {
-  if (diagnosis.causes.empty() && is_explained(calibration, diagnosis)) return;
+Calibration doubted(Calibration calibration, const Diagnosis& diagnosis, const Measurements& measurements) {
+  if (diagnosis.causes.empty() && is_explained(calibration, diagnosis)) return calibration;
   if (calibration.accepted()) calibration.verdict = Verdict::rejected;
-  if (diagnosis.causes.empty()) return calibration.reasons.push_back(diagnosis.text);
+  if (diagnosis.causes.empty()) {
+    calibration.reasons.push_back(diagnosis.text);
+    return calibration;
+  }
   calibration.reasons.insert(calibration.reasons.begin(), diagnosis.text);
   calibration.notes = measurements.notes;
   calibration.components.clear();
   calibration.suspects.clear();
+  return calibration;
 }
 
 /// The place of a reflector that the fit had to seek is no mistake any more.
@@ -114,8 +119,7 @@ Calibration calibrate(const Robot& robot, const Measurements& measurements, cons
     Calibration calibration = detail::calibrate_as_given(robot, measurements, options);
     if (!is_doubtful(calibration, measurements)) return calibration;
     const auto diagnosis = diagnose(robot, measurements, with_found_reflector(options, calibration.options));
-    if (diagnosis) add_diagnosis(*diagnosis, measurements, calibration);
-    return calibration;
+    return diagnosis ? doubted(std::move(calibration), *diagnosis, measurements) : calibration;
   } catch (const Unreachable& complaint) {
     const auto diagnosis = diagnose(robot, measurements, options);
     if (!diagnosis || diagnosis->causes.empty()) throw;
