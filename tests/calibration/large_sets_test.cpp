@@ -61,7 +61,7 @@ TEST_F(LargeSets, ScatterAtTheAnswerIsThatOfTheRows) {
   state_sigma(measured, kNoise);
   expect_that_of_rows(settled(measured));
   detail::StageFit louder = settled(measured);
-  louder.observation_to_change().components().stated_noise *= 2.0;
+  louder.observation_to_change().let_noise_be(2.0);
   expect_that_of_rows(louder);
 }
 

@@ -132,7 +132,7 @@ TEST_F(Order, WhatIsTakenOffAReadingIsGone) {
   const Measurements measured = read(in_passes(stations.size(), 3), 2, machine, joints);
   detail::StageFit stage = fit(measured);
   detail::Observation& observation = stage.observation_to_change();
-  observation.components().unstated_noise = 2.5;
+  observation.noise().front().unstated = 2.5;
   const Eigen::VectorXd unknowns = stage.fit().parameters;
   const auto rows_of = [&](std::size_t place) {
     Eigen::MatrixXd rows;

@@ -400,6 +400,21 @@ TEST_F(Variances, ScatterOfVisitsAndOfPosesIsTheNoise) {
   EXPECT_NEAR((all.sum - visits.sum) / (all.redundancy - visits.redundancy), 1.0, 0.8);  // deviation 0.25
 }
 
+/// Two instruments read the same machine, one ten times as well: each series enters by its own noise.
+TEST_F(Variances, EachSeriesHasItsOwnNoise) {
+  const SourceErrors errors = measured_machine(robot, stations, 5, {}).errors;
+  Measurements both = measure(robot, errors, stations, 5, {.noise = kNoise, .repeats = 4});
+  both.series.push_back(measure(robot, errors, stations, 6, {.noise = 10.0 * kNoise, .repeats = 4}).series[0]);
+  detail::StageFit stage = fit(both);
+  EXPECT_EQ(stage.observation().noise()[0], stage.observation().noise()[1]);  // before anything tells them apart
+  const std::optional<detail::Explanation> found = detail::explained(stage, both, options);
+  ASSERT_TRUE(found);
+  const detail::NoiseOfSeries& entered = stage.observation().noise();
+  EXPECT_NEAR(entered[1].unstated / entered[0].unstated, 10.0, 2.5);
+  EXPECT_NEAR(found->noise[0].unstated * options.noise.point, kNoise, 0.2 * kNoise);
+  EXPECT_NEAR(found->noise[1].unstated * options.noise.point, 10.0 * kNoise, 2.0 * kNoise);
+}
+
 TEST_F(Variances, StatedNoiseThatIsThreeTimesAsLarge) {
   Measurements measured = read(3.0 * kNoise, 1.0, 3);
   state_sigma(measured, kNoise);

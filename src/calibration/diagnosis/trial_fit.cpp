@@ -98,7 +98,7 @@ double quantile_of(const std::vector<Miss>& misses, double share) {
 /// All readings under one scale of noise, that at which they lie from the machine.
 void begin_at(Observation& observation, const Eigen::VectorXd& start) {
   for (Group& group : observation.groups()) group.stated = false;
-  observation.components().unstated_noise = std::max(quantile_of(misses_of(observation, start), 0.5), kSmallestScale);
+  observation.let_noise_be(std::max(quantile_of(misses_of(observation, start), 0.5), kSmallestScale));
 }
 
 void reweigh(Observation& observation, const Eigen::VectorXd& unknowns) {
@@ -183,14 +183,14 @@ std::optional<double> scale_of_repeats(const Observation& observation, const Eig
   constexpr double kEnough = 9.0;  // degrees of freedom
   const Scatter visits = scatter_of_visits(observation, unknowns);
   if (visits.redundancy < kEnough) return std::nullopt;
-  return observation.components().unstated_noise * std::sqrt(visits.sum / visits.redundancy);
+  return observation.unstated_noise() * std::sqrt(visits.sum / visits.redundancy);
 }
 
 TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns) {
   InformationRoot information(observation.unknown_count());
   (void)with_priors(observation)(unknowns, information);
   const Eigen::MatrixXd root = information.root();
-  TrialFit fit{.scale = observation.components().unstated_noise};
+  TrialFit fit{.scale = observation.unstated_noise()};
   const std::vector<Miss> misses = misses_of(observation, unknowns);
   state_errors(observation, unknowns, root, fit);
   state_noise(observation, unknowns,
@@ -204,7 +204,7 @@ TrialFit stated(const Observation& observation, const Eigen::VectorXd& unknowns)
 double better_scale(const Observation& observation, const LeastSquaresResult& result) {
   const Scatter all = scatter_of_all(observation, result.parameters, result.at_answer);
   const double factor = std::sqrt(all.sum / all.redundancy);
-  return std::max(observation.components().unstated_noise * factor, kSmallestScale);
+  return std::max(observation.unstated_noise() * factor, kSmallestScale);
 }
 
 std::optional<Eigen::VectorXd> settle(Observation& observation, Eigen::VectorXd unknowns) {
@@ -217,8 +217,8 @@ std::optional<Eigen::VectorXd> settle(Observation& observation, Eigen::VectorXd 
     if (result.status == LeastSquaresStatus::not_evaluable) return std::nullopt;
     unknowns = result.parameters;
     const double scale = better_scale(observation, result);
-    const double change = std::abs(scale / observation.components().unstated_noise - 1.0);
-    observation.components().unstated_noise = scale;
+    const double change = std::abs(scale / observation.unstated_noise() - 1.0);
+    observation.let_noise_be(scale);
     if (change < kSettled) break;
   }
   return unknowns;

@@ -59,7 +59,7 @@ bool StageFit::is_suspicious() const {
   constexpr double kLarge = 1.5;
   const Scatter all = scatter();
   const bool large =
-      observation_.components().unstated_noise > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
+      observation_.unstated_noise() > kLarge || all.sum > kLarge * kLarge * std::max(all.redundancy, 1.0);
   return large || one_stands_out(observation_, studentised(observation_, fit_.parameters, covariance()));
 }
 

@@ -34,6 +34,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
     series_.push_back(std::move(series));
   }
   if (options.noise.joint > 0.0 && robot.nominal().gap_count() > 0) add_joint_readings();
+  noise_.resize(series_.size());
   for (std::size_t k = 0; k < sought_.size(); ++k) {
     prior_std_(static_cast<Eigen::Index>(k)) = sought_[k].prior_std.value_or(0.0);
   }
@@ -238,7 +239,9 @@ const StationMotions& Observation::motions_of(std::size_t station, const Station
   return fresh;
 }
 
-double reading_noise(const Observation& observation) {
+double reading_noise(const Observation& observation) { return reading_noise(observation, observation.noise()); }
+
+double reading_noise(const Observation& observation, const NoiseOfSeries& noise) {
   const auto& groups = observation.groups();
   const auto quantity_of = [&](const Group& group) { return observation.series_of(group).quantity(); };
   Quantity quantity = Quantity::length;
@@ -247,7 +250,7 @@ double reading_noise(const Observation& observation) {
   int count = 0;
   for (const Group& group : groups) {
     if (!group.active || quantity_of(group) != quantity) continue;
-    sum += std::pow(observation.sigma_of(group) * observation.noise_factor(group), 2);
+    sum += std::pow(observation.sigma_of(group) * Observation::noise_factor(group, noise), 2);
     ++count;
   }
   return std::sqrt(sum / std::max(count, 1));

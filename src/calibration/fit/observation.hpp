@@ -23,16 +23,19 @@ namespace paracal::detail {
 /// Singular values of column-scaled readings below this share of the largest count as zero.
 inline constexpr double kRankTolerance = 1e-7;
 
-/// How uncertain the readings are: what a fit finds of them besides its unknowns.
-struct VarianceComponents {
-  double unstated_noise = 1.0;      ///< factor of the standard deviations that no one stated
-  double stated_noise = 1.0;        ///< factor of those that were stated
-  std::vector<double> series = {};  ///< factor of a series besides; none: 1
-  /// Factor of the standard deviations of orientations over that of the positions beside them, where neither is stated.
-  double orientation_noise = 1.0;
+/// How uncertain the readings of a series are, as factors of the standard deviations with which they enter.
+struct SeriesNoise {
+  double stated = 1.0;       ///< of those that were stated
+  double unstated = 1.0;     ///< of those that no one stated
+  double orientation = 1.0;  ///< of unstated orientations, over that of the positions beside them
 
-  bool operator==(const VarianceComponents&) const = default;
+  bool operator==(const SeriesNoise&) const = default;
 };
+using NoiseOfSeries = std::vector<SeriesNoise>;
+
+inline double largest_unstated(const NoiseOfSeries& noise) {
+  return std::ranges::max(noise, {}, &SeriesNoise::unstated).unstated;
+}
 
 /// All readings as a function of the unknowns
 ///
@@ -54,8 +57,14 @@ class Observation {
   const std::vector<Joints>& joints() const { return joints_; }
   std::vector<Group>& groups() { return groups_; }
   const std::vector<Group>& groups() const { return groups_; }
-  VarianceComponents& components() { return components_; }
-  const VarianceComponents& components() const { return components_; }
+  NoiseOfSeries& noise() { return noise_; }
+  const NoiseOfSeries& noise() const { return noise_; }
+  /// Of the noisiest series.
+  double unstated_noise() const { return largest_unstated(noise_); }
+  /// Of all series, stated or not.
+  void let_noise_be(double factor) {
+    for (SeriesNoise& one : noise_) one.stated = one.unstated = factor;
+  }
   /// Makes the prior standard deviations of the sought errors as many times as large as they were given.
   void widen_priors(const Eigen::VectorXd& factors);
   /// paracal::detail::prior_covariance() of the sought errors.
@@ -130,12 +139,12 @@ class Observation {
   double sigma_of(const Group& group) const { return series_of(group).sigma(group.index); }
   Eigen::Index orientation_rows(const Group& group) const { return series_of(group).orientation_rows(group.index); }
   /// Factors of the standard deviations of a reading's rows.
-  double noise_factor(const Group& group) const {
-    const double common = group.stated ? components_.stated_noise : components_.unstated_noise;
-    return components_.series.empty() ? common : common * components_.series[group.series];
+  double noise_factor(const Group& group) const { return noise_factor(group, noise_); }
+  static double noise_factor(const Group& group, const NoiseOfSeries& noise) {
+    return group.stated ? noise[group.series].stated : noise[group.series].unstated;
   }
   double orientation_factor(const Group& group) const {
-    return group.stated || orientation_rows(group) == 0 ? 1.0 : components_.orientation_noise;
+    return group.stated || orientation_rows(group) == 0 ? 1.0 : noise_[group.series].orientation;
   }
 
  private:
@@ -184,7 +193,7 @@ class Observation {
   /// Of each reading, before any factor of its standard deviation; empty: none.
   std::vector<Eigen::VectorXd> taken_off_;
   Eigen::Index nuisance_count_ = 0;
-  VarianceComponents components_;
+  NoiseOfSeries noise_;
   mutable Eigen::VectorXd last_sources_;
   mutable std::shared_ptr<const std::vector<StationState>> last_stations_;
 };
@@ -209,6 +218,8 @@ inline bool seeks_orientation_noise(const Observation& observation) {
 /// Root mean square of the standard deviations with which the readings in use entered, mm: of a coordinate; of a
 /// distance where no points were read, of a height where neither.
 double reading_noise(const Observation& observation);
+/// The same if the noise were this.
+double reading_noise(const Observation& observation, const NoiseOfSeries& noise);
 /// The same of orientations about each axis, rad; empty where none were read.
 std::optional<double> orientation_noise(const Observation& observation);
 

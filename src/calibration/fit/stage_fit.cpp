@@ -28,7 +28,7 @@ void StageFit::solve_to(double step_tolerance) {
   const LeastSquaresOptions options{.max_iterations = 500, .step_tolerance = step_tolerance};
   fit_ = solve_least_squares(with_priors(observation_), fit_.parameters, options);
   iterations_ += fit_.iterations;
-  solved_with_ = observation_.components();
+  solved_with_ = observation_.noise();
   known_ = {};
 }
 
@@ -60,8 +60,7 @@ Scatter StageFit::scatter() const {
 
 std::optional<Scatter> StageFit::scatter_at_answer() const {
   const auto& groups = observation_.groups();
-  const VarianceComponents& now = observation_.components();
-  if (groups.empty() || !has_priors(observation_) || now != solved_with_) return std::nullopt;
+  if (groups.empty() || !has_priors(observation_) || observation_.noise() != solved_with_) return std::nullopt;
   const bool stated = groups.front().stated;
   if (!std::ranges::all_of(groups, [stated](const Group& one) { return one.stated == stated; })) return std::nullopt;
   return detail::scatter_at_answer(observation_, fit_.parameters, fit_.at_answer);
@@ -82,12 +81,11 @@ void StageFit::settle() {
   constexpr double kSettled = 0.01;
   solve_roughly();
   const bool any_unstated = !all_stated(observation_);
-  VarianceComponents& now = observation_.components();
   for (int round = 0; round < kRounds && converged(); ++round) {
     double change = 0.0;
     const auto note = [&](double factor) { change = std::max(change, std::abs(factor - 1.0)); };
     if (any_unstated && seeks_orientation_noise(observation_)) note(update_orientation_noise());
-    if (any_unstated) note(update_noise(now.unstated_noise, false));
+    if (any_unstated) note(update_noise());
     known_ = {};
     if (change < kSettled) break;
     solve_roughly();
@@ -95,17 +93,17 @@ void StageFit::settle() {
   if (converged()) solve();
 }
 
-double StageFit::update_noise(double& factor, bool stated) {
+double StageFit::update_noise() {
   constexpr double kSmallest = 0.01;
-  const bool all = std::ranges::all_of(observation_.groups(), [&](const Group& one) { return one.stated == stated; });
+  const bool all = std::ranges::none_of(observation_.groups(), &Group::stated);
   const auto at_answer = all ? scatter_at_answer() : std::nullopt;
-  const Scatter of_kind = at_answer ? *at_answer
-                                    : detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(),
-                                                      [&](const Group& group) { return group.stated == stated; });
-  if (of_kind.redundancy < 0.5) return 1.0;
-  const double before = factor;
-  factor = std::max(factor * std::sqrt(of_kind.sum / of_kind.redundancy), kSmallest);
-  return factor / before;
+  const Scatter unstated = at_answer ? *at_answer
+                                     : detail::scatter(observation_, fit_.parameters, fit_.at_answer.root(),
+                                                       [](const Group& group) { return !group.stated; });
+  if (unstated.redundancy < 0.5) return 1.0;
+  const double before = observation_.unstated_noise(), factor = std::sqrt(unstated.sum / unstated.redundancy);
+  for (SeriesNoise& one : observation_.noise()) one.unstated = std::max(one.unstated * factor, kSmallest);
+  return observation_.unstated_noise() / before;
 }
 
 double StageFit::update_orientation_noise() {
@@ -118,9 +116,10 @@ double StageFit::update_orientation_noise() {
   };
   const Scatter positions = part(false), orientations = part(true);
   if (positions.redundancy < kFewest || orientations.redundancy < kFewest || !(positions.sum > 0.0)) return 1.0;
-  double& factor = observation_.components().orientation_noise;
   const double ratio = orientations.sum / orientations.redundancy / (positions.sum / positions.redundancy);
-  const double before = std::exchange(factor, std::clamp(factor * std::sqrt(ratio), kSmallest, kLargest));
+  const double before = observation_.noise().front().orientation;
+  const double factor = std::clamp(before * std::sqrt(ratio), kSmallest, kLargest);
+  for (SeriesNoise& one : observation_.noise()) one.orientation = factor;
   return factor / before;
 }
 

@@ -72,8 +72,9 @@ class StageFit {
   /// fit was solved.
   std::optional<Scatter> scatter_at_answer() const;
   Scatter found_scatter() const;
-  /// Each returns the factor by which it changed a standard deviation.
-  double update_noise(double& factor, bool stated);
+  /// Each returns the factor by which it changed a standard deviation. All series alike: what tells them apart is found
+  /// when gross errors are left out.
+  double update_noise();
   /// As far as orientations scatter more than the positions that were read with them, or less.
   double update_orientation_noise();
 
@@ -85,7 +86,7 @@ class StageFit {
 
   Observation observation_;
   LeastSquaresResult fit_;
-  VarianceComponents solved_with_;  ///< the components of variance then
+  NoiseOfSeries solved_with_;  ///< the noise then
   mutable Known known_;
   Eigen::VectorXd prior_factors_;
   int iterations_ = 0, robust_rounds_ = 0;

@@ -239,13 +239,15 @@ double VariancePosterior::largest(const std::vector<std::size_t>& terms) const {
   return most;
 }
 
-double VariancePosterior::noise_factor(const VarianceTable& table) const {
-  const std::vector<ReadingBlock>& blocks = table.readings().blocks;
-  const ReadingBlock& first = *std::ranges::min_element(blocks, {}, &ReadingBlock::series);
-  for (const std::size_t term : table.terms_of(first.stated ? Spreads::stated_noise : Spreads::noise)) {
-    if (first.stated || table.terms()[term].joint == static_cast<Eigen::Index>(first.series)) return size(term);
+NoiseOfSeries VariancePosterior::noise_of_series(const VarianceTable& table) const {
+  NoiseOfSeries all = table.entered();
+  for (const std::size_t term : table.terms_of(Spreads::stated_noise)) {
+    for (SeriesNoise& one : all) one.stated *= size(term);
   }
-  return 1.0;
+  for (const std::size_t term : table.terms_of(Spreads::noise)) {
+    all[static_cast<std::size_t>(table.terms()[term].joint)].unstated *= size(term);
+  }
+  return all;
 }
 
 double VariancePosterior::probability_above(const std::vector<std::size_t>& terms, double std) const {

@@ -32,8 +32,8 @@ struct VariancePosterior {
   double size(std::size_t term) const;
   /// Of several, the largest; 0 of none.
   double largest(const std::vector<std::size_t>& terms) const;
-  /// Of the noise of the first series over that with which it entered: points come before lengths.
-  double noise_factor(const VarianceTable& table) const;
+  /// Of each series.
+  NoiseOfSeries noise_of_series(const VarianceTable& table) const;
   /// Probability that the standard deviation of all these terms together is above.
   double probability_above(const std::vector<std::size_t>& terms, double std) const;
 };

@@ -22,8 +22,7 @@ VarianceTable::VarianceTable(const StageFit& fit, const LinearReadings& readings
     : readings_(&readings),
       expected_(expected),
       noise_mm_(reading_noise(fit.observation())),
-      entered_(fit.observation().components().unstated_noise),
-      least_noise_(0.01 / entered_) {  // of what was expected of it
+      entered_(fit.observation().noise()) {
   add_noise();
   add_joints(Spreads::visits);
   add_joints(Spreads::poses);
@@ -298,11 +297,11 @@ void VarianceTable::add_visits(const Eigen::VectorXd& variances, bool derivative
 
 void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
   constexpr double kStatedNoise = 0.1;  // of its logarithm: instruments are as their makers say
-  const auto slope_of = [&](Spreads what, double value) -> Slope {
-    switch (what) {
+  const auto slope_of = [&](const VarianceTerm& term, double value) -> Slope {
+    switch (term.what) {
       case Spreads::noise:
       case Spreads::orientation_noise:
-        return any_noise(value, std::log(least_noise_));
+        return any_noise(value, std::log(least_noise(term.joint)));
       case Spreads::stated_noise:
         return as_stated(value, kStatedNoise);
       case Spreads::series_noise:
@@ -321,7 +320,7 @@ void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
   };
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    const Slope one = slope_of(terms_[k].what, u(i));
+    const Slope one = slope_of(terms_[k], u(i));
     at.cost += one.cost;
     if (at.gradient.size() == 0) continue;
     at.gradient(i) += one.slope;
@@ -332,7 +331,8 @@ void VarianceTable::add_prior(const Eigen::VectorXd& u, At& at) const {
 double VarianceTable::largest_unstated_noise(const Eigen::VectorXd& u) const {
   double largest = 0.0;
   for (const std::size_t term : terms_of(Spreads::noise)) {
-    largest = std::max(largest, entered_ * std::exp(u(static_cast<Eigen::Index>(term))));
+    largest = std::max(largest, entered_[static_cast<std::size_t>(terms_[term].joint)].unstated *
+                                    std::exp(u(static_cast<Eigen::Index>(term))));
   }
   return largest;
 }
@@ -368,7 +368,7 @@ bool VarianceTable::tells_noise() const {
 std::vector<Eigen::VectorXd> VarianceTable::starts() const {
   constexpr double kSmall = 0.004, kSmallVisits = 0.002;  // mm
   constexpr double kLeast = 0.2;                          // of the scatter: noise, where joints explain the rest
-  const double scatter = std::max(noise_of_visits().value_or(1.0), least_noise_);
+  const double scatter = std::max(noise_of_visits().value_or(1.0), kLeastNoise / largest_unstated(entered_));
   std::vector<Eigen::VectorXd> all;
   for (const bool loose : {false, true}) {
     if (loose && !tells_noise()) break;

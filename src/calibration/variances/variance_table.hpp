@@ -38,6 +38,8 @@ class VarianceTable {
 
   const LinearReadings& readings() const { return *readings_; }
   const std::vector<VarianceTerm>& terms() const { return terms_; }
+  /// With which readings entered.
+  const NoiseOfSeries& entered() const { return entered_; }
   /// Places of those of a kind.
   std::vector<std::size_t> terms_of(Spreads what) const;
   /// The same readings where these facts are otherwise.
@@ -102,6 +104,8 @@ class VarianceTable {
   bool tells_noise() const;
 
  private:
+  static constexpr double kLeastNoise = 0.01;  ///< of what was expected of it
+
   /// How visits scatter about their mean: W = sum_k exp(2 u_k) R_k, R = h h^T of a joint or of the rows of a noise.
   struct Visits {
     Eigen::MatrixXd squares;
@@ -126,15 +130,18 @@ class VarianceTable {
   bool take_up_set_up(const Cholesky& root, At& at) const;
   void add_slopes(const Eigen::VectorXd& variances, At& at) const;
   void add_prior(const Eigen::VectorXd& u, At& at) const;
+  /// Of the noise of a series over that with which it entered: what no instrument is below.
+  double least_noise(Eigen::Index series) const {
+    return kLeastNoise / entered_[static_cast<std::size_t>(series)].unstated;
+  }
   void add_visits(const Eigen::VectorXd& variances, bool derivatives, At& at) const;
   /// @param held  places of variances that stay as they are.
   Mode mode_from(const Eigen::VectorXd& start, const std::vector<std::size_t>& held = {}) const;
 
   const LinearReadings* readings_;
   Discrepancies expected_;
-  double noise_mm_;     ///< with which readings entered
-  double entered_;      ///< of that over what was expected, where nobody stated it
-  double least_noise_;  ///< of that: what no instrument is below
+  double noise_mm_;        ///< with which readings entered
+  NoiseOfSeries entered_;  ///< of that over what was expected
   std::vector<VarianceTerm> terms_;
   std::vector<VarianceTerm> fixed_;  ///< what facts add, of variance 1
   double series_size_ = 1.0;         ///< about the size of the noise of a series on trial, over what it states

@@ -76,7 +76,7 @@ Compared compared_with_expected(const Finished& of, const FitSummary& fit, const
   if (is_any(observation, false)) {
     const double beside = has_priors(observation) ? 1.0 : scatter;
     found.unstated_noise =
-        observation.components().unstated_noise * (of.explanation ? of.explanation->unstated_noise : beside);
+        of.explanation ? largest_unstated(of.explanation->noise) : observation.unstated_noise() * beside;
   }
   if (!of.explanation) return found;
   found.absorbed = of.explanation->absorbed;

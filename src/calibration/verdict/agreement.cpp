@@ -47,7 +47,7 @@ std::optional<double> find_noise(Observation& observation, const Eigen::VectorXd
         "repeated visits of a pose scatter {:.1f} times as much as the stated noise: check the stated sigma",
         noise->factor));
   }
-  observation.components().stated_noise = observation.components().unstated_noise = std::max(noise->factor, kSmallest);
+  observation.let_noise_be(std::max(noise->factor, kSmallest));
   return noise->dof;
 }
 

@@ -52,7 +52,8 @@ class Causes {
         posterior_(posterior),
         all_(all),
         repeats_(table.noise_of_visits().has_value()),
-        noise_(reading_noise(fit.observation()) * posterior.noise_factor(table)) {}
+        noise_of_series_(posterior.noise_of_series(table)),
+        noise_(reading_noise(fit.observation(), noise_of_series_)) {}
 
   /// Sets of facts, of which one is so: what each is, and which reading would decide.
   void add_open_facts(const Trials& trials) {
@@ -94,15 +95,15 @@ class Causes {
   /// Noise or joints: a single visit of each pose shows their sum.
   void add_ambiguous_noise() {
     if (table_.tells_noise()) return;
-    const double entered = fit_.observation().components().unstated_noise;
     double probability = 0.0;
     for (const std::size_t term : table_.terms_of(Spreads::noise)) {
+      const double entered = table_.entered()[static_cast<std::size_t>(table_.terms()[term].joint)].unstated;
       probability = std::max(probability, posterior_.probability_above({term}, options_.noise_to_tell / entered));
     }
     add(Cause::noise, probability,
         fmt::format("the readings scatter {:.2g} mm, {:.1f} times what was expected of them. This is noise, or joints "
                     "stop elsewhere at each visit: U includes both. Visit each pose twice to tell",
-                    noise_, entered * posterior_.largest(table_.terms_of(Spreads::noise))));
+                    noise_, largest_unstated(noise_of_series_)));
   }
 
   void add_poses() {
@@ -199,6 +200,7 @@ class Causes {
   const VariancePosterior& posterior_;
   std::vector<Component>& all_;
   bool repeats_;
+  NoiseOfSeries noise_of_series_;
   double noise_;  ///< of the readings, mm
 };
 

@@ -65,7 +65,7 @@ Considered consider_held(const Finished& of, Eigen::MatrixXd covariance, Eigen::
   for (SoughtSource& one : errors) one.prior_std.reset();
   Observation whole(observation.robot(), of.measurements, of.options, errors, true);
   whole.groups() = observation.groups();
-  whole.components() = observation.components();
+  whole.noise() = observation.noise();
   const auto start = whole.start(observation.errors(of.fit.fit().parameters));
   InformationRoot root(whole.unknown_count());
   if (!start || !whole(*start, root)) return {{}, std::move(all.covariance), std::move(all.noise)};

@@ -33,7 +33,7 @@ PoseErrorSummary summarize_fit(const Observation& observation, const Placed& at)
 
 /// The same readings, with the same weights, for the nominal machine: frames and the like are all that is sought.
 std::optional<Eigen::VectorXd> fit_nominal(Observation& nominal, const Observation& fitted) {
-  nominal.components() = fitted.components();
+  nominal.noise() = fitted.noise();
   nominal.groups() = fitted.groups();
   nominal.let_joints_err(fitted.joint_std());
   auto unknowns = nominal.start({});
@@ -112,10 +112,9 @@ FitResiduals residuals_of(const Finished& of, const Snapshot& before, const Snap
   if (lists) list_suspects(of, after.at, all, remarks);
   assume_mistakes(observation, remarks);
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
-  all.noise = reading_noise(observation) * (noise_is_scatter ? fit.unit_weight_std.value_or(1.0) : 1.0);
-  if (of.explanation && of.explanation->repeats && !all_stated(observation)) {
-    all.noise *= of.explanation->unstated_noise;
-  }
+  const bool visits_tell = of.explanation && of.explanation->repeats && !all_stated(observation);
+  all.noise = reading_noise(observation, visits_tell ? of.explanation->noise : observation.noise()) *
+              (noise_is_scatter ? fit.unit_weight_std.value_or(1.0) : 1.0);
   all.orientation_noise = orientation_noise(observation);
   return all;
 }
@@ -144,7 +143,7 @@ FitSummary summary_of(const Finished& of, std::vector<StageReport> stages, const
   FitSummary fit{.stages = std::move(stages),
                  .readings = observation.groups().size(),
                  .degrees_of_freedom = static_cast<int>(std::lround(scatter.redundancy)),
-                 .unit_weight_std = unit_weight_std(observation, scatter)};
+                 .unit_weight_std = unit_weight_std(scatter)};
   if (ranks || !has_priors(observation)) state_rank(of, fit);
   double freedom = scatter.redundancy;
   if (visits_tell_noise(of, scatter)) {

@@ -110,19 +110,13 @@ class Explainer {
       most = std::max(most, factor(term));
     }
     if (!(most > kAlike * least)) return false;
-    std::vector<double>& factors = factors_of_series();
-    for (const std::size_t term : terms) {
-      factors[static_cast<std::size_t>(none.table.terms()[term].joint)] *= factor(term) / least;
-    }
+    for (const std::size_t term : terms) noise_of(none.table.terms()[term].joint).unstated *= factor(term) / least;
     fit_.settle();
     return true;
   }
 
-  std::vector<double>& factors_of_series() {
-    Observation& observation = fit_.observation_to_change();
-    std::vector<double>& factors = observation.components().series;
-    factors.resize(observation.series().size(), 1.0);
-    return factors;
+  SeriesNoise& noise_of(Eigen::Index series) {
+    return fit_.observation_to_change().noise()[static_cast<std::size_t>(series)];
   }
 
   /// Takes what goes with the order off the readings, where it is certain enough.
@@ -158,7 +152,7 @@ class Explainer {
   void adopt(const Fact& fact, double size) {
     Observation& observation = fit_.observation_to_change();
     if (fact.series) {
-      factors_of_series()[*fact.series] *= std::hypot(1.0, size);
+      noise_of(static_cast<Eigen::Index>(*fact.series)).stated *= std::hypot(1.0, size);
     } else if (fact.pose) {
       for (Group& group : observation.groups()) {
         if (group.station != *fact.pose && group.from != *fact.pose) continue;
@@ -215,8 +209,8 @@ class Explainer {
     return reading_noise(fit_.observation()) * std::sqrt(squares / static_cast<double>(table.readings().y.size()));
   }
 
-  Eigen::VectorXd noise_as_joints(const VarianceTable& table, const VariancePosterior& posterior) const {
-    const double mm = reading_noise(fit_.observation()) * posterior.noise_factor(table);
+  Eigen::VectorXd noise_as_joints(const VarianceTable& table, const NoiseOfSeries& noise) const {
+    const double mm = reading_noise(fit_.observation(), noise);
     const auto joints = static_cast<Eigen::Index>(fit_.observation().robot().limb_count());
     // One joint alone may be what scatters, and nobody knows which.
     const double alone = table.readings().joint_per_mm * std::sqrt(static_cast<double>(joints));
@@ -229,6 +223,7 @@ class Explainer {
     if (open_order_ && open_order_->effect.by != OrderedBy::set_up) {
       causes_.push_back({cause_of(*open_order_), text_of_open(*open_order_), open_order_->probability(), false});
     }
+    const NoiseOfSeries noise = posterior.noise_of_series(table);
     Explanation all{
         .known = {.noise_covariance = std::move(posterior.noise),
                   .joint_std = of_joints(Spreads::poses, table, posterior),
@@ -238,14 +233,14 @@ class Explainer {
                   .components = std::move(causes_)},
         .means = std::move(posterior.errors),
         .covariance = std::move(posterior.covariance),
-        .unstated_noise = posterior.largest(table.terms_of(Spreads::noise)),
+        .noise = noise,
         .stated_noise = posterior.largest(table.terms_of(Spreads::stated_noise)),
         .absorbed = at_plate({Spreads::visits, Spreads::poses, Spreads::drives}, table,
                              [&](std::size_t term) { return posterior.size(term); }),
         .allowed = at_plate({Spreads::positions, Spreads::tilts}, table, [](std::size_t) { return 1.0; }),
         .repeats = table.noise_of_visits().has_value(),
         .is_ambiguous = !table.tells_noise(),
-        .noise_as_joints = noise_as_joints(table, posterior),
+        .noise_as_joints = noise_as_joints(table, noise),
         .log_evidence = log_evidence,
         .mount = mount_};
     if (!all.repeats) {  // nothing tells the one from the other: what stays at each visit is the worse
@@ -280,21 +275,18 @@ class Explainer {
 };
 
 /// Where joints stand elsewhere at each pose by more than the noise, the fit weighs its readings by both.
-void weigh_joints(StageFit& fit, Explanation& found) {
+void weigh_joints(StageFit& fit, const Explanation& found) {
   const bool told = std::ranges::any_of(found.known.components,
                                         [](const Component& one) { return one.told && one.cause == Cause::motion; });
   if (!told) return;
   Observation& observation = fit.observation_to_change();
-  const double before = observation.components().unstated_noise;
+  const NoiseOfSeries before = observation.noise();
   observation.let_joints_err(found.known.joint_std);
-  if (found.unstated_noise > 0.0) observation.components().unstated_noise *= found.unstated_noise;
+  for (std::size_t k = 0; k < before.size(); ++k) observation.noise()[k].unstated = found.noise[k].unstated;
   fit.solve();
-  if (fit.converged()) {
-    if (found.unstated_noise > 0.0) found.unstated_noise = 1.0;  // readings have it by now
-    return;
-  }
+  if (fit.converged()) return;
   observation.let_joints_err({});
-  observation.components().unstated_noise = before;
+  observation.noise() = before;
   fit.solve();
 }
 

@@ -15,10 +15,11 @@ struct Explanation {
   Posterior known = {};             ///< about the machine of the fit, which has no splines; without its parameters
   Eigen::VectorXd means = {};       ///< of errors of parts, then of the splines of drives
   Eigen::MatrixXd covariance = {};  ///< mean squares of both
-  double unstated_noise = 0.0, stated_noise = 1.0;  ///< over those with which readings entered
-  double absorbed = 0.0;  ///< what joints, drives and poses do beside the geometry, mm at the plate
-  double allowed = 0.0;   ///< what errors within their tolerances do there
-  bool repeats = false;   ///< visits tell noise from joints
+  NoiseOfSeries noise = {};         ///< as the table has it
+  double stated_noise = 0.0;        ///< over that with which readings entered; 0: none is stated
+  double absorbed = 0.0;            ///< what joints, drives and poses do beside the geometry, mm at the plate
+  double allowed = 0.0;             ///< what errors within their tolerances do there
+  bool repeats = false;             ///< visits tell noise from joints
   /// No pose was visited twice, nobody stated the noise, and nothing else tells it from joints. U then takes what
   /// readings scatter for either.
   bool is_ambiguous = false;

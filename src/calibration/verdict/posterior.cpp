@@ -43,7 +43,7 @@ double noise_freedom(const StageFit& fit, const Scatter& scatter) {
 Spread bare_spread(const Finished& of, const FitSummary& fit, const Scatter& scatter) {
   const Observation& observation = of.observation();
   const bool stated = all_stated(observation), is_paper = of.options.method == Method::paper;
-  const std::optional<double> unit_weight = unit_weight_std(observation, scatter);
+  const std::optional<double> unit_weight = unit_weight_std(scatter);
   if (!unit_weight && !stated) return {};
   const double times = unit_weight.value_or(1.0);
   const Spectrum all = analyse(of.fit.fit().at_answer.root(), kRankTolerance);
@@ -101,15 +101,14 @@ CalibratedRegion region_of(const Measurements& measurements, const Observation& 
 
 }  // namespace
 
-std::optional<double> unit_weight_std(const Observation& observation, const Scatter& scatter) {
-  const double stated = all_stated(observation) ? observation.components().stated_noise : 1.0;
+std::optional<double> unit_weight_std(const Scatter& scatter) {
   if (scatter.redundancy < 0.5) return std::nullopt;
-  return std::sqrt(scatter.sum * std::pow(stated, 2) / scatter.redundancy);
+  return std::sqrt(scatter.sum / scatter.redundancy);
 }
 
 bool visits_tell_noise(const Finished& of, const Scatter& scatter) {
   if (!of.explanation || !of.explanation->repeats || !all_stated(of.observation())) return false;
-  const std::optional<double> found = unit_weight_std(of.observation(), scatter);
+  const std::optional<double> found = unit_weight_std(scatter);
   return found && *found >= of.explanation->stated_noise;
 }
 

@@ -19,9 +19,8 @@ struct Spread {
   double noise_dof = std::numeric_limits<double>::infinity();
 };
 
-/// Root of the weighted squares over their redundancy, by the sigmas as they were stated, whatever the fit then made of
-/// them; empty where nothing is left to tell it.
-std::optional<double> unit_weight_std(const Observation& observation, const Scatter& scatter);
+/// Root of the weighted squares over their redundancy; empty where nothing is left to tell it.
+std::optional<double> unit_weight_std(const Scatter& scatter);
 
 /// All visits of each pose tell the noise from the joints, and a stated one is larger than they show.
 bool visits_tell_noise(const Finished& of, const Scatter& scatter);
