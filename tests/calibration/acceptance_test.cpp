@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calibration/diagnosis/part_units.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
 #include "calibration/fit/sought.hpp"
 #include "calibration/verdict/acceptance.hpp"
 #include "calibration/verdict/evidence.hpp"

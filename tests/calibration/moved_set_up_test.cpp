@@ -1,6 +1,6 @@
 // An instrument or a body that moved while it was read.
 
-#include "calibration/diagnosis/moved_set_up.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
 
 #include <gmock/gmock.h>
 

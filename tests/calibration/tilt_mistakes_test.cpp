@@ -1,13 +1,12 @@
 // What commanded tilts of hexapods suffer.
 
-#include "calibration/diagnosis/tilt_mistakes.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
 
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "calibration/diagnosis/mistakes.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/pose_selection.hpp"
 #include "support/robots.hpp"

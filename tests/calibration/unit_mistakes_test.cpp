@@ -1,6 +1,6 @@
 // One series of readings in another unit than the others.
 
-#include "calibration/diagnosis/unit_mistakes.hpp"
+#include "calibration/diagnosis/mistakes.hpp"
 
 #include <gmock/gmock.h>
 

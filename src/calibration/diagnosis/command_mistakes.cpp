@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "paracal/kinematics/closure.hpp"
 
@@ -52,14 +53,16 @@ void turn_commands(Measurements& measurements, double factor) {
   change_commands(measurements, [&](Pose& pose) { pose.rotation *= factor; });
 }
 
+Pose turned_pose(Pose pose, const Eigen::Matrix3d& turn) {
+  pose.position = turn * pose.position;
+  if (turn.determinant() > 0.0 && !pose.tilt.isZero(0.0)) {
+    pose.tilt = tilts_of(turn * plate_rotation(pose.tilt).matrix * turn.transpose());
+  }
+  return pose;
+}
+
 void turn_frame_of_commands(Measurements& measurements, const Eigen::Matrix3d& turn) {
-  const bool turns = turn.determinant() > 0.0;
-  change_commands(measurements, [&](Pose& pose) {
-    pose.position = turn * pose.position;
-    if (turns && !pose.tilt.isZero(0.0)) {
-      pose.tilt = tilts_of(turn * plate_rotation(pose.tilt).matrix * turn.transpose());
-    }
-  });
+  change_commands(measurements, [&](Pose& pose) { pose = turned_pose(std::move(pose), turn); });
 }
 
 void change_tilts(Measurements& measurements, const Eigen::Matrix3d& change) {

@@ -23,7 +23,9 @@ void scale_commands(Measurements& measurements, double factor);
 void scale_joints(Measurements& measurements, double factor);
 /// phi times a factor.
 void turn_commands(Measurements& measurements, double factor);
-/// Positions times a matrix S; S R S^T of tilts R where it is a rotation, as both are in the frame that it turns.
+/// The position times a matrix S; S R S^T of the tilt R where it is a rotation, as both are in the frame that it turns.
+Pose turned_pose(Pose pose, const Eigen::Matrix3d& turn);
+/// The same of all commands.
 void turn_frame_of_commands(Measurements& measurements, const Eigen::Matrix3d& turn);
 
 /// (tilt_x, tilt_y, tilt_z) times a matrix: signs, axes, unit.

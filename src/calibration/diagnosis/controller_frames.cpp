@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "command_mistakes.hpp"
 #include "paracal/kinematics/closure.hpp"
 #include "paracal/units.hpp"
 
@@ -60,21 +61,11 @@ ControllerSuspect tool(const Robot& robot, int unknowns) {
   return one;
 }
 
-/// Turned about z: the place, and the axis about which the plate is tilted.
-Pose turned_about_z(Pose pose, double angle) {
-  const Eigen::Matrix3d turn = plate_rotation(Eigen::Vector3d(0.0, 0.0, angle)).matrix;
-  pose.position = turn * pose.position;
-  if (pose.tilt.isZero(0.0)) return pose;
-  const Eigen::Matrix3d plate = turn * plate_rotation(pose.tilt).matrix * turn.transpose();
-  pose.tilt = {std::atan2(-plate(1, 2), plate(2, 2)), std::asin(std::clamp(plate(0, 2), -1.0, 1.0)),
-               std::atan2(-plate(0, 1), plate(0, 0))};
-  return pose;
-}
-
 ControllerSuspect turned_frame(const Robot& robot) {
   ControllerSuspect one =
-      other_pose(robot, "the direction of x and y",
-                 [](const Pose& pose, const Eigen::VectorXd& values) { return turned_about_z(pose, values(0)); });
+      other_pose(robot, "the direction of x and y", [](const Pose& pose, const Eigen::VectorXd& values) {
+        return turned_pose(pose, plate_rotation(Eigen::Vector3d(0.0, 0.0, values(0))).matrix);
+      });
   one.noticeable = to_radians(1.0);
   one.starts = {0.0};
   for (const double degrees : {30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <limits>
 
+#include "calibration/verdict/parameter_table.hpp"
 #include "mistakes.hpp"
-#include "moved_set_up.hpp"
 #include "paracal/units.hpp"
 #include "wrong_nominal.hpp"
 
@@ -121,14 +121,11 @@ std::vector<Explanation> best_of(std::vector<Explanation> all) {
   return best;
 }
 
-/// Two digits, and whole numbers of many: "0.017", "301".
-std::string shown(double value) { return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value); }
-
 /// How well readings fit: "0.017 mm", with what else makes a difference to the other fit.
 std::string quality(const TrialFit& fit, const TrialFit& other) {
-  std::string text = shown(fit.noise) + " mm";
+  std::string text = detail::two_digits(fit.noise) + " mm";
   if (fit.rotation_noise && other.rotation_noise && differs(*fit.rotation_noise, *other.rotation_noise)) {
-    text += fmt::format(" and {} deg", shown(to_degrees(*fit.rotation_noise)));
+    text += fmt::format(" and {} deg", detail::two_digits(to_degrees(*fit.rotation_noise)));
   }
   if (fit.tension > kWithinTolerances && differs(fit.tension, other.tension)) {
     text += fmt::format(" (errors {:.1f} times as large as their tolerances)", fit.tension);
@@ -138,7 +135,8 @@ std::string quality(const TrialFit& fit, const TrialFit& other) {
 
 std::string text_of(const std::vector<std::string>& causes, const TrialFit& fit, const std::optional<TrialFit>& given) {
   const std::string cause = fmt::format("{}", fmt::join(causes, "; or "));
-  if (!given) return fmt::format("{}: corrected, the residuals are {} mm. Check the input", cause, shown(fit.noise));
+  if (!given)
+    return fmt::format("{}: corrected, the residuals are {} mm. Check the input", cause, detail::two_digits(fit.noise));
   return fmt::format("{}: corrected, the residuals drop from {} to {}. Check the input", cause, quality(*given, fit),
                      quality(fit, *given));
 }

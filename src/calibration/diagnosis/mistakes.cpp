@@ -13,9 +13,6 @@
 #include "paracal/mechanism/catalogue.hpp"
 #include "paracal/units.hpp"
 #include "reading_mistakes.hpp"
-#include "reflector_mistakes.hpp"
-#include "tilt_mistakes.hpp"
-#include "unit_mistakes.hpp"
 
 namespace paracal::detail {
 namespace {

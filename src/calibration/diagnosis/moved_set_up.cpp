@@ -1,4 +1,4 @@
-#include "moved_set_up.hpp"
+#include "mistakes.hpp"
 
 #include <fmt/format.h>
 

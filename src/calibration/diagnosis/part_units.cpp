@@ -1,4 +1,4 @@
-#include "part_units.hpp"
+#include "mistakes.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

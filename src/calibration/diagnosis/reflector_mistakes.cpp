@@ -1,10 +1,9 @@
-#include "reflector_mistakes.hpp"
+#include "mistakes.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 
 #include "calibration/readings/body.hpp"
 #include "paracal/kinematics/closure.hpp"
@@ -51,26 +50,18 @@ std::vector<Mistake> reflector_mistakes(const Input& given) {
   if (given.measurements.series.empty() || reads_orientation(given.measurements) || reads_second(given.measurements)) {
     return {};
   }
-  struct Mount {
-    ReflectorMount mount;
-    const char* beside;
-  };
-  constexpr std::array<Mount, 3> kMounts{
-      {{ReflectorMount::plate, "the plate's centre"},
-       {ReflectorMount::end_effector, "the axis of phi and turns with it"},
-       {ReflectorMount::end_effector_reversed, "the axis of phi and turns by -phi"}}};
   std::vector<Mistake> all;
-  for (const auto& [mount, beside] : kMounts) {
+  for (const ReflectorMount mount : kReflectorMounts) {
     const double distance = distance_from_centre(given, mount);
     if (!(distance > kLeast) || distance > kFarthest) continue;
-    all.push_back(
-        {MistakeKind::usual, "reflector",
-         fmt::format("the reflector is about {} mm beside {} (centre it, or read its orientation, too)",
-                     distance < 10.0 ? fmt::format("{:.1f}", distance) : fmt::format("{:.0f}", distance), beside),
-         [is = mount](Input& input) {
-           input.options.reflector_is_at_centre = false;
-           input.options.reflectors = is;
-         }});
+    all.push_back({MistakeKind::usual, "reflector",
+                   fmt::format("the reflector is about {} mm beside {} (centre it, or read its orientation, too)",
+                               distance < 10.0 ? fmt::format("{:.1f}", distance) : fmt::format("{:.0f}", distance),
+                               centre_of(mount)),
+                   [mount](Input& input) {
+                     input.options.reflector_is_at_centre = false;
+                     input.options.reflectors = mount;
+                   }});
   }
   return all;
 }

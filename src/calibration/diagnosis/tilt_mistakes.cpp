@@ -1,4 +1,4 @@
-#include "tilt_mistakes.hpp"
+#include "mistakes.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "unit_mistakes.hpp"
+#include "mistakes.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "command_mistakes.hpp"
-#include "part_units.hpp"
 #include "reading_mistakes.hpp"
 
 namespace paracal::detail {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "misprint.hpp"
+#include "mistakes.hpp"
 #include "numerics/dense.hpp"
 #include "reading_mistakes.hpp"
-#include "wrong_pinion.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "wrong_pinion.hpp"
+#include "mistakes.hpp"
 
 #include <cmath>
 #include <utility>

@@ -1,6 +1,7 @@
 #include "body.hpp"
 
 #include <Eigen/Geometry>
+#include <array>
 
 #include "numerics/dense.hpp"
 #include "numerics/median.hpp"
@@ -79,6 +80,12 @@ BodySetUp place_reflector(const std::vector<RigidMotion>& carriers, const std::v
     if (step.norm() < kSettled) break;
   }
   return found;
+}
+
+std::string_view centre_of(ReflectorMount mount) {
+  constexpr std::array kCentres{"the plate's centre", "the axis of phi and turns with it",
+                                "the axis of phi and turns by -phi"};
+  return kCentres.at(static_cast<std::size_t>(mount));
 }
 
 }  // namespace paracal::detail

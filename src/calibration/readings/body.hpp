@@ -3,8 +3,10 @@
 // Private to calibration: a rigid body on the plate whose pose an instrument reads, as motion capture does.
 
 #include <Eigen/Core>
+#include <string_view>
 #include <vector>
 
+#include "paracal/calibration/calibration.hpp"
 #include "paracal/numerics/rigid_fit.hpp"
 
 namespace paracal::detail {
@@ -25,5 +27,8 @@ BodySetUp place_body(const std::vector<RigidMotion>& carriers, const std::vector
 /// least squares, where carriers hardly turn the place nearest to their origin.
 BodySetUp place_reflector(const std::vector<RigidMotion>& carriers, const std::vector<Eigen::Vector3d>& read,
                           bool seeks_frame);
+
+/// Beside what a reflector on this mount may be: "the plate's centre".
+std::string_view centre_of(ReflectorMount mount);
 
 }  // namespace paracal::detail

@@ -26,8 +26,6 @@ void Distances::take_columns(Eigen::Index& next, bool seeks_scale) {
   if (seeks_scale) scale_ = take(next, 1);
 }
 
-void Distances::start(const std::vector<StationState>& /*stations*/, Eigen::VectorXd& /*unknowns*/) {}  // from zero
-
 void Distances::add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const {
   if (bias_ >= 0) root.add_prior(bias_, unknowns(bias_), 0.0, options_.noise.distance_bias);
   if (scale_ >= 0) root.add_prior(scale_, unknowns(scale_), 0.0, options_.scale_std);

@@ -21,7 +21,6 @@ class Distances final : public ReadingSeries {
   Quantity quantity() const override { return Quantity::distance; }
   Eigen::Index rotation_rows(std::size_t index) const override { return readings_[index].rotation ? 1 : 0; }
   void take_columns(Eigen::Index& next, bool seeks_scale) override;
-  void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) override;
   void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const override;
   ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const override;
   Residual residual(std::size_t index, const Placed& at) const override;

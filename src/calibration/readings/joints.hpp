@@ -20,9 +20,6 @@ class JointReadings final : public ReadingSeries {
   double sigma(std::size_t /*index*/) const override { return ratio_ * sigma_; }
   Quantity quantity() const override { return Quantity::gap; }
   bool follows_gaps() const override { return true; }
-  void take_columns(Eigen::Index& /*next*/, bool /*seeks_scale*/) override {}
-  void start(const std::vector<StationState>& /*stations*/, Eigen::VectorXd& /*unknowns*/) override {}
-  void add_priors(const Eigen::VectorXd& /*unknowns*/, InformationRoot& /*root*/) const override {}
   ByPlate rows(std::size_t index, const Placed& at, Eigen::MatrixXd& block) const override;
   Residual residual(std::size_t index, const Placed& at) const override;
   std::string label(std::size_t index, const std::vector<Station>& stations) const override;

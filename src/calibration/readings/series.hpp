@@ -141,13 +141,13 @@ class ReadingSeries {
   virtual std::optional<LengthKind> length_kind() const { return std::nullopt; }
 
   /// Takes columns of the unknowns for its set-up, from `next` on.
-  virtual void take_columns(Eigen::Index& next, bool seeks_scale) = 0;
-  /// Sets them to what fits best at these stations.
-  virtual void start(const std::vector<StationState>& stations, Eigen::VectorXd& unknowns) = 0;
+  virtual void take_columns(Eigen::Index& /*next*/, bool /*seeks_scale*/) {}
+  /// Sets them to what fits best at these stations; else they start from zero.
+  virtual void start(const std::vector<StationState>& /*stations*/, Eigen::VectorXd& /*unknowns*/) {}
   /// Those that shift its readings and do nothing else.
   virtual std::vector<Eigen::Index> zero_columns() const { return {}; }
   /// What is known of them beforehand, as rows.
-  virtual void add_priors(const Eigen::VectorXd& unknowns, InformationRoot& root) const = 0;
+  virtual void add_priors(const Eigen::VectorXd& /*unknowns*/, InformationRoot& /*root*/) const {}
   /// Sets how large their unknowns may be where they have a size of their own.
   virtual void set_units(Eigen::VectorXd& /*unit*/) const {}
   /// Column of the instrument's scale; -1 where it is not sought.

@@ -1,7 +1,8 @@
 #include "reflector_places.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 
 #include "calibration/readings/points.hpp"
 
@@ -31,14 +32,6 @@ std::vector<Eigen::Matrix3d> turns_of(const std::vector<StationState>& stations,
 
 std::vector<ReflectorPlace> reflector_places(const StageFit& fit, const Measurements& measurements,
                                              const LinearReadings& readings) {
-  struct Mount {
-    ReflectorMount mount;
-    const char* subject;
-  };
-  constexpr std::array<Mount, 3> kMounts{
-      {{ReflectorMount::plate, "the reflector is beside the plate's centre"},
-       {ReflectorMount::end_effector, "the reflector is beside the axis of phi and turns with it"},
-       {ReflectorMount::end_effector_reversed, "the reflector is beside the axis of phi and turns by -phi"}}};
   constexpr double kTurned = 0.02;  // rad: a mount that turns less shows no place
   const Observation& observation = fit.observation();
   const auto stations = observation.stations(fit.fit().parameters);
@@ -48,7 +41,7 @@ std::vector<ReflectorPlace> reflector_places(const StageFit& fit, const Measurem
   };
   if (!observation.has_centred_reflectors() || !shows_places(measurements) || !stations) return {};
   std::vector<ReflectorPlace> all;
-  for (const auto& [mount, subject] : kMounts) {
+  for (const ReflectorMount mount : kReflectorMounts) {
     if (mount != ReflectorMount::plate && !turns_phi()) continue;  // else as the plate itself
     const std::vector<Eigen::Matrix3d> turns = turns_of(*stations, mount);
     if (std::ranges::none_of(turns, [](const Eigen::Matrix3d& one) { return one.norm() > kTurned; })) continue;
@@ -59,7 +52,7 @@ std::vector<ReflectorPlace> reflector_places(const StageFit& fit, const Measurem
       const Eigen::MatrixXd moved = observation.by_position(group, {*stations, fit.fit().parameters});
       effect.middleRows(readings.first[k], moved.rows()) = moved * turns[group.station];
     }
-    all.push_back({mount, subject, std::move(effect)});
+    all.push_back({mount, fmt::format("the reflector is beside {}", centre_of(mount)), std::move(effect)});
   }
   return all;
 }

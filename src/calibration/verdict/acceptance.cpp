@@ -8,6 +8,7 @@
 
 #include "calibration/fit/sought.hpp"
 #include "paracal/units.hpp"
+#include "parameter_table.hpp"
 
 namespace paracal::detail {
 namespace {
@@ -17,11 +18,6 @@ struct Gain {
   std::string_view what, unit;
   double before = 0.0, after = 0.0;
 };
-
-/// Two digits, and whole numbers of many: "0.017", "301".
-std::string two_digits(double value) {
-  return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
-}
 
 std::vector<Gain> gains(const Use& before, const Use& after) {
   std::vector<Gain> all{{"distances", "mm", before.distance.U, after.distance.U},

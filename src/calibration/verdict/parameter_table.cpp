@@ -48,6 +48,10 @@ std::string parameter_table(const std::vector<ParameterCell>& cells) {
 
 std::string limb_row(std::size_t limb) { return fmt::format("limb {}", limb + 1); }
 
+std::string two_digits(double value) {
+  return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
+
 int decimals_of(double uncertainty) {
   constexpr int kMost = 6;
   if (!(uncertainty > 0.0)) return 3;

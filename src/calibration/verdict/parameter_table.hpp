@@ -18,6 +18,9 @@ std::string parameter_table(const std::vector<ParameterCell>& cells);
 /// "limb 1": the row of a limb, which counts from 0.
 std::string limb_row(std::size_t limb);
 
+/// Two digits, and whole numbers of many: "0.017", "301".
+std::string two_digits(double value);
+
 /// Decimals that show two digits of an uncertainty.
 int decimals_of(double uncertainty);
 

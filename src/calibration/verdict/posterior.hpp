@@ -14,15 +14,16 @@ namespace paracal::detail {
 
 /// What is known of all unknowns; empty where no uncertainty could be stated.
 struct Spread {
-  Eigen::MatrixXd covariance = {}, noise = {};  ///< of all unknowns
-  Eigen::MatrixXd errors = {}, errors_by_noise = {};
+  Eigen::MatrixXd covariance = {}, noise = {};        ///< and its part that comes from the noise of the readings
+  Eigen::MatrixXd errors = {}, errors_by_noise = {};  ///< the same of the errors alone; also of the paper's method
   double noise_dof = std::numeric_limits<double>::infinity();
 };
 
 /// Root of the weighted squares over their redundancy; empty where nothing is left to tell it.
 std::optional<double> unit_weight_std(const Scatter& scatter);
 
-/// All visits of each pose tell the noise from the joints, and a stated one is larger than they show.
+/// All readings state their noise, and repeated visits tell it from joints: what readings scatter beyond the noise that
+/// the table finds is the joints'.
 bool visits_tell_noise(const Finished& of, const Scatter& scatter);
 
 /// Everything was determined that readings of this kind can determine: with priors, unless errors without any are open;
