@@ -60,11 +60,13 @@ PARACAL_FIELDS(AcceptanceLimits, distance, volumetric, rotation)
 PARACAL_FIELDS(ControllerModel, evidence, source, robot)
 PARACAL_FIELDS(Discrepancies, visits, poses, drives, length, tolerances, least_gain_of_drives)
 PARACAL_FIELDS(OmittedPoses, rigid, with_drives, poses)
+PARACAL_FIELDS(CauseSizes, error, tolerances, stated_noise, visits, poses, drives, drives_over_noise, far_too_small,
+               other_machine)
 PARACAL_FIELDS(CalibrationOptions, method, stage, noise, noise_is_known, frame, body, reflector_is_at_centre,
                rotation_zero, reflectors, tolerances, common, expected, plane_slope, plane_curvature, scale_std,
-               discrepancies, seeks_discrepancies, largest_doubt, noise_to_tell, tell_chance, limits, states_use, fixed,
-               free, outlier_chance, largest_chance, largest_noise_factor, largest_unstated_noise, largest_absorbed,
-               largest_use_ratio, exclude_outliers, diagnose, controller)
+               discrepancies, seeks_discrepancies, largest_doubt, noise_to_tell, causes, tell_chance, limits,
+               states_use, fixed, free, outlier_chance, largest_chance, largest_noise_factor, largest_unstated_noise,
+               largest_absorbed, largest_use_ratio, exclude_outliers, diagnose, controller)
 PARACAL_FIELDS(CalibratedRegion, low, high)
 PARACAL_FIELDS(SplineKnot, centre, spacing)
 PARACAL_FIELDS(SoughtSource, limb, source, prior_std, knot)

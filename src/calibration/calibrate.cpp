@@ -35,10 +35,9 @@ bool left_many_out(const Calibration& calibration) {
 }
 
 /// Of the machine with its drives where it has them: what a rigid one makes of uneven drives is no error of a part.
-bool is_far_from_nominal(const ParameterEstimate& parameter) {
-  constexpr double kFarOutside = 4.0;  // standard deviations of the tolerance
+bool is_far_from_nominal(const ParameterEstimate& parameter, double far) {
   const double value = parameter.with_drives.value_or(parameter.value);
-  return parameter.prior_std && std::abs(value - parameter.expected) > kFarOutside * *parameter.prior_std;
+  return parameter.prior_std && std::abs(value - parameter.expected) > far * *parameter.prior_std;
 }
 
 /// The machine with its drives predicts poses that were omitted, about as well as the noise allows: what moves its
@@ -64,7 +63,9 @@ bool is_strange(const Calibration& calibration) {
 bool is_doubtful(const Calibration& calibration, const Measurements& measurements) {
   return calibration.verdict == Verdict::not_converged || scatters(calibration, measurements) ||
          left_many_out(calibration) || is_strange(calibration) ||
-         std::ranges::any_of(calibration.parameters, is_far_from_nominal);
+         std::ranges::any_of(calibration.parameters, [&](const ParameterEstimate& one) {
+           return is_far_from_nominal(one, calibration.options.causes.error);
+         });
 }
 
 /// The machine that was found explains what the readings show, if with parts out of their tolerances.

@@ -107,6 +107,21 @@ struct Discrepancies {
   double least_gain_of_drives = 0.1;
 };
 
+/// From which size on something is a cause worth a name: sound machines and instruments differ by less.
+struct CauseSizes {
+  double error = 4.0;         ///< of a part, standard deviations of its tolerance: 1 in 16,000 sound ones is as far off
+  double tolerances = 1.5;    ///< of a group, over those stated: less is hardly another tolerance
+  double stated_noise = 1.2;  ///< over what was stated: makers round by a tenth
+  double visits = 10.0;       ///< over what Discrepancies expect of visits: a joint that is loose, not one that is worn
+  double poses = 0.5;         ///< over the noise of a visit: less does not show beside it
+  double drives = 3.0;        ///< over what Discrepancies expect of drives
+  double drives_over_noise = 2.0;  ///< and over the noise of a visit: less, a sound machine shows now and then
+  /// Of a group, over those stated: a fit that keeps to such tolerances explains nothing, so they are widened first.
+  /// One wrong part makes a group look up to so large.
+  double far_too_small = 8.0;
+  double other_machine = 30.0;  ///< likewise: beyond it, readings are of another machine or in another unit
+};
+
 struct CalibrationOptions {
   Method method = Method::best;
   Stage stage = Stage::automatic;
@@ -135,6 +150,7 @@ struct CalibrationOptions {
   double largest_doubt = 0.05;       ///< a cause is named if the probability of any other is smaller
   /// Noise that is not stated becomes a note if it is more than so many times `noise`: instruments differ by less.
   double noise_to_tell = 2.5;
+  CauseSizes causes = {};
   double tell_chance = 1e-3;               ///< a test's result becomes a note if its p-value is below this
   AcceptanceLimits limits = {};            ///< of U over the workspace; above one the calibration is not accepted
   bool seeks_discrepancies = true;         ///< false: the machine is its geometry, as a controller's parameters have it

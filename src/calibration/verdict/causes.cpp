@@ -86,7 +86,9 @@ class Causes {
   void add_visits() {
     const std::vector<std::size_t> terms = table_.terms_of(Spreads::visits);
     if (!repeats_) return;
-    add(Cause::visits, posterior_.probability_above(terms, large(options_.discrepancies.visits)),
+    add(Cause::visits,
+        posterior_.probability_above(terms, std::max({options_.causes.visits * options_.discrepancies.visits,
+                                                      options_.discrepancies.drives, noise_})),
         fmt::format("the machine does not repeat: {} stops elsewhere at each visit, {:.2g} mm at the plate. Possible "
                     "causes: play, friction, a loose joint",
                     joint(largest(terms)), of_joints(terms)));
@@ -111,7 +113,8 @@ class Causes {
     std::vector<std::size_t> terms = table_.terms_of(Spreads::poses);
     // Where no pose was visited twice, nothing tells the one from the other.
     if (!repeats_) std::ranges::copy(table_.terms_of(Spreads::visits), std::back_inserter(terms));
-    add(Cause::motion, posterior_.probability_above(terms, std::max(options_.discrepancies.drives, 0.5 * noise_)),
+    add(Cause::motion,
+        posterior_.probability_above(terms, std::max(options_.discrepancies.drives, options_.causes.poses * noise_)),
         fmt::format("the poses differ from the model by {:.2g} mm more than the noise explains ({} {:.3f} mm), most by "
                     "{}. Possible causes: backlash, friction{}",
                     of_joints(terms),
@@ -123,10 +126,10 @@ class Causes {
 
   /// Less than that beside the noise of one visit, a sound machine shows now and then.
   void add_drives() {
-    constexpr double kScales = 3.0, kNoises = 2.0;
     const std::vector<std::size_t> terms = table_.terms_of(Spreads::drives);
     add(Cause::motion,
-        posterior_.probability_above(terms, std::max(kScales * options_.discrepancies.drives, kNoises * noise_)),
+        posterior_.probability_above(terms, std::max(options_.causes.drives * options_.discrepancies.drives,
+                                                     options_.causes.drives_over_noise * noise_)),
         fmt::format("the drives are uneven along their stroke by {:.2g} mm at the plate. Possible causes: encoder, "
                     "belt, load or temperature",
                     posterior_.size(terms.front())));
@@ -134,30 +137,28 @@ class Causes {
 
   /// Errors that are far outside their tolerances, whatever else is; not where a cause names parts.
   void add_far_errors() {
-    constexpr double kFar = 4.0;  // standard deviations of a tolerance
     if (std::ranges::find(all_, Cause::parts, &Component::cause) != all_.end()) return;
     const Observation& observation = fit_.observation();
     for (Eigen::Index k = 0; k < observation.source_count(); ++k) {
       const SoughtSource& one = observation.sought()[static_cast<std::size_t>(k)];
       if (!one.prior_std) continue;
       const double value = std::abs(fit_.fit().parameters(observation.nuisance_count() + k));
-      const double beyond = value - kFar * *one.prior_std;
+      const double beyond = value - options_.causes.error * *one.prior_std;
       add(Cause::parts, normal_probability(beyond / std::sqrt(posterior_.covariance(k, k))),
           far_text(fmt::format("{} of limb {}", name(one.source), one.limb + 1), value / *one.prior_std));
     }
   }
 
   void add_tolerances(Spreads what) {
-    constexpr double kLarger = 1.5;  // a tolerance that is larger by less is hardly another
     for (const std::size_t term : table_.terms_of(what)) {
-      add(Cause::parts, posterior_.probability_above({term}, kLarger), text_of_group(what, posterior_.size(term)));
+      add(Cause::parts, posterior_.probability_above({term}, options_.causes.tolerances),
+          text_of_group(what, posterior_.size(term)));
     }
   }
 
   void add_stated_noise() {
-    constexpr double kLarger = 1.2;
     for (const std::size_t term : table_.terms_of(Spreads::stated_noise)) {
-      add(Cause::noise, posterior_.probability_above({term}, kLarger),
+      add(Cause::noise, posterior_.probability_above({term}, options_.causes.stated_noise),
           fmt::format("the readings scatter {:.2g} times as much as their stated sigmas", posterior_.size(term)));
     }
   }
@@ -167,9 +168,6 @@ class Causes {
     if (probability < 0.5) return;
     all_.push_back({cause, std::move(text), probability, probability > 1.0 - options_.largest_doubt});
   }
-
-  /// What is worth a name, mm at the plate.
-  double large(double expected) const { return std::max({10.0 * expected, options_.discrepancies.drives, noise_}); }
 
   std::size_t largest(const std::vector<std::size_t>& terms) const {
     return *std::ranges::max_element(terms, {}, [&](std::size_t k) { return posterior_.size(k); });

@@ -167,15 +167,15 @@ class Explainer {
   /// Takes the tolerances of a group for as many times larger as the readings show, where they are far too small: a fit
   /// that keeps to them explains nothing. Below that the readings outweigh them.
   bool widen_group(const WeighedTable& none) {
-    constexpr double kFarTooSmall = 8.0;                          // one wrong part makes a group look up to so large
-    constexpr double kNonsense = 30.0;                            // readings of another machine, or in another unit
     if (none.probability < options_.largest_doubt) return false;  // single facts explain more
     for (const Spreads what : {Spreads::positions, Spreads::tilts}) {
       for (const std::size_t term : none.table.terms_of(what)) {
         const auto at = static_cast<Eigen::Index>(term);
         const double factor = std::exp(none.mode.u(at));
         const double probability = normal_probability(std::log(factor) * std::sqrt(none.mode.curvature(at, at)));
-        if (factor < kFarTooSmall || factor > kNonsense || probability < 1.0 - options_.largest_doubt) continue;
+        const bool is_so = factor >= options_.causes.far_too_small && factor <= options_.causes.other_machine &&
+                           probability >= 1.0 - options_.largest_doubt;
+        if (!is_so) continue;
         causes_.push_back({Cause::parts, text_of_group(what, factor), probability, true});
         const std::vector<Eigen::Index>& places = none.table.terms()[term].places;
         fit_.widen_priors(std::vector<std::size_t>(places.begin(), places.end()), factor);

@@ -146,11 +146,11 @@ Spread spread_of(const Finished& of, const FitSummary& fit, const Scatter& scatt
 
 Posterior posterior_of(const Finished& of, const FitSummary& fit, const Scatter& scatter, const Spread& spread,
                        std::vector<Component> components) {
-  constexpr double kContradicted = 1.2;  // stated noise that the readings tell instead
   const bool explained = of.explanation && spread.errors.size() > 0;
   Posterior all = explained ? of.explanation->known
                             : Posterior{.covariance = spread.errors, .noise_covariance = spread.errors_by_noise};
-  const bool contradicted = explained && visits_tell_noise(of, scatter) && of.explanation->stated_noise > kContradicted;
+  const bool contradicted =
+      explained && visits_tell_noise(of, scatter) && of.explanation->stated_noise > of.options.causes.stated_noise;
   all.expected = of.options.expected.value_or(SourceErrors{});
   all.noise_dof = contradicted ? std::max(1.0 * fit.degrees_of_freedom, 1.0) : spread.noise_dof;
   all.region = region_of(of.measurements, of.observation());
