@@ -11,16 +11,19 @@
 #include <numbers>
 
 #include "paracal/calibration/controller_model.hpp"
+#include "paracal/calibration/identification.hpp"
+#include "paracal/calibration/plan.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
+#include "support/virtual_machines.hpp"
 
 namespace paracal::controller_joints_test {
 namespace {
 
-using testing::AllOf, testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::SizeIs,
-    testing::StartsWith;
+using testing::AllOf, testing::Contains, testing::ElementsAre, testing::HasSubstr, testing::IsEmpty, testing::Not,
+    testing::SizeIs, testing::StartsWith;
 
 using Change = std::function<void(RobotDescription&)>;
 
@@ -260,6 +263,14 @@ TEST_F(OneController, IsReadWhereAllStationsStateJoints) {
   EXPECT_EQ(with_readings({}, measurements).evidence, ControllerEvidence::assumed);
   measurements.stations.pop_back();
   EXPECT_EQ(with_readings({}, measurements).evidence, ControllerEvidence::readings);
+}
+
+TEST_F(OneController, IsKnownToACalibrationFromReadingsWithJoints) {
+  Measurements measured = test::measured_machine(robot, fine_stations(robot, 9), 1, {.noise = 0.02}).measurements;
+  for (Station& station : measured.stations) station.believed = believed_joints(robot, station);
+  const Calibration found = calibrate(robot, measured, {.states_use = false, .diagnose = false});
+  EXPECT_EQ(found.options.controller.evidence, ControllerEvidence::readings);
+  EXPECT_THAT(found.assumed, Not(Contains(HasSubstr("--controller-joints"))));
 }
 
 TEST_F(OneController, CommandsItsOwnJoints) {

@@ -53,6 +53,18 @@ class Bare : public testing::Test {
   static constexpr double kFound = 3.0, kFreedom = 6.0;  // 9 distances, 3 offsets
 };
 
+/// Degrees of freedom that tell the noise count in what is stated of a set-up, too.
+TEST_F(Bare, TheStdOfABiasHasStudentsFactor) {
+  options.noise.distance_bias = 10.0;  // far beyond what the readings leave open
+  const Calibration found = of({});
+  options.noise_is_known = true;
+  options.noise.distance = 1.001 * found.noise;  // by which the readings scatter no more than they may
+  const Calibration known = of({});
+  ASSERT_TRUE(found.distance_bias_std && known.distance_bias_std);
+  EXPECT_NEAR(*found.distance_bias_std / *known.distance_bias_std, coverage_factor(found.noise_dof) / kCoverageFactor,
+              0.01);
+}
+
 /// Without stated sigmas the residuals alone decide: s^2 = r^2 / (n - p), and F of what the offsets explain.
 TEST_F(Bare, ScatterAndChanceOfUnstatedReadings) {
   const Calibration found = of({});

@@ -439,6 +439,15 @@ TEST_F(Variances, AJointThatDoesNotRepeatIsNamed) {
   EXPECT_FALSE(refused.accepted());  // a limit is for any single visit
 }
 
+/// Readings scatter as much more than stated as the joint does, and their noise is as stated.
+TEST_F(Variances, StatedNoiseIsToldFromALooseJoint) {
+  Measurements measured = with_joint_off(to_radians(0.02), 1, true, 3);
+  state_sigma(measured, kNoise);
+  const Calibration found = calibrate(robot, measured, {.states_use = false, .diagnose = false});
+  EXPECT_NEAR(*found.unit_weight_std, 1.0, 0.2);
+  EXPECT_GT(*found.fit_probability, 1e-3);
+}
+
 /// The same side at each visit of a pose: backlash. No visit is better or worse than their mean.
 TEST_F(Variances, AJointThatStandsElsewhereAtEachPoseIsNamed) {
   const double off = to_radians(0.02);
