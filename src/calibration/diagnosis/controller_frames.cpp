@@ -1,4 +1,4 @@
-#include "controller_frames.hpp"
+#include "controller_suspects.hpp"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <utility>
 
-#include "controller_frames.hpp"
 #include "dimensions.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/inverse.hpp"

@@ -36,4 +36,13 @@ Joints nominal_joints(const Robot& robot, const Pose& pose);
 /// @param robot  must outlive them.
 std::vector<ControllerSuspect> controller_suspects(const Robot& robot);
 
+/// Those of the frame and the tool: a frame rotated about z, another origin along z or anywhere, a tool.
+std::vector<ControllerSuspect> frame_suspects(const Robot& robot);
+
+/// "720.00": as many decimals as the joints show, of the given most.
+std::string shown(double value, double resolution, int most);
+/// Two decimals of mm and three of deg at most, with the unit.
+std::string shown_length(double value, double resolution);
+std::string shown_angle(double value, double resolution);
+
 }  // namespace paracal::detail

@@ -1,14 +1,28 @@
 #pragma once
 
-// Private to calibration: one number of the robot file is wrong.
+// Private to calibration: numbers of the robot file are wrong.
 
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
+#include "dimensions.hpp"
 #include "mistake.hpp"
 
 namespace paracal::detail {
+
+/// Numbers of the robot file that are wrong together, and what they should be.
+struct Misprint {
+  std::vector<Dimension> of;
+  Eigen::VectorXd values;
+
+  std::size_t count() const { return of.size(); }
+  double value(std::size_t k) const { return values(static_cast<Eigen::Index>(k)); }
+};
+
+/// "the readings fit a robot whose rod_mm is 960.0, the file says 950". Undone with the joints as the controller
+/// believed them, which the wrong numbers told it.
+Mistake mistake_of(const Robot& given, const Misprint& misprint);
 
 /// By how much twice the objective of a fit shrinks, to first order, where errors may have directions D in common at no
 /// cost, and how much of each they then have. With L = diag(1 / sigma_j^2) and C the covariance after the fit,

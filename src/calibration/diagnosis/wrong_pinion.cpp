@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "misprint.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "wrong_nominal.hpp"
 
 namespace paracal::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "agreement.hpp"
+#include "validation_parts.hpp"
 
 #include <fmt/format.h>
 

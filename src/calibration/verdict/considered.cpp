@@ -1,4 +1,4 @@
-#include "considered.hpp"
+#include "posterior.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "iso9283.hpp"
+#include "validation_parts.hpp"
 
 #include <algorithm>
 #include <cmath>

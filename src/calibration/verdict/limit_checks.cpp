@@ -1,4 +1,4 @@
-#include "limit_checks.hpp"
+#include "validation_parts.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "calibration/fit/pair_covariance.hpp"
-#include "considered.hpp"
 #include "numerics/dense.hpp"
 #include "paracal/calibration/prediction.hpp"
 

@@ -10,14 +10,12 @@
 #include <string_view>
 #include <utility>
 
-#include "agreement.hpp"
 #include "calibration/fit/located.hpp"
 #include "calibration/fit/placement.hpp"
 #include "calibration/fit/started.hpp"
-#include "iso9283.hpp"
-#include "limit_checks.hpp"
 #include "paracal/error.hpp"
 #include "paracal/kinematics/forward.hpp"
+#include "validation_parts.hpp"
 
 namespace paracal {
 namespace {
