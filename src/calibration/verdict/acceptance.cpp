@@ -84,10 +84,10 @@ Eigen::MatrixXd covariance_of_tolerances(const Robot& robot, const CalibrationOp
                                          const Posterior& posterior) {
   const std::vector<SoughtSource> tolerated = all_with_priors(robot, options);
   std::vector<SoughtSource> errors;
-  for (const ParameterEstimate& one : posterior.parameters) {
-    SoughtSource error{one.limb, one.source, 0.0};
+  for (const ParameterEstimate& estimate : posterior.parameters) {
+    SoughtSource error{estimate.limb, estimate.source, 0.0};
     const auto found =
-        std::ranges::find_if(tolerated, [&](const SoughtSource& other) { return is_same_error(other, error); });
+        std::ranges::find_if(tolerated, [&](const SoughtSource& one) { return is_same_error(one, error); });
     if (found != tolerated.end()) error = *found;
     if (!error.prior_std) return {};
     errors.push_back(error);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "finished.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 

@@ -112,7 +112,7 @@ FitResiduals residuals_of(const Finished& of, const Snapshot& before, const Snap
   if (lists) list_suspects(of, after.at, all, remarks);
   assume_mistakes(observation, remarks);
   const bool noise_is_scatter = !has_priors(observation) && !all_stated(observation);
-  const bool visits_tell = of.explanation && of.explanation->repeats && !all_stated(observation);
+  const bool visits_tell = of.explanation != nullptr && of.explanation->repeats && !all_stated(observation);
   all.noise = reading_noise(observation, visits_tell ? of.explanation->noise : observation.noise()) *
               (noise_is_scatter ? fit.unit_weight_std.value_or(1.0) : 1.0);
   all.orientation_noise = orientation_noise(observation);
@@ -214,7 +214,7 @@ Findings findings_of(const Finished& of, std::vector<StageReport> stages, std::v
   const bool everything = told == Told::everything;
   const Scatter scatter = of.fit.scatter();
   all.fit = summary_of(of, std::move(stages), scatter, everything);
-  const Spread spread = spread_of(of, all.fit, scatter, everything || !of.explanation);
+  const Spread spread = spread_of(of, all.fit, scatter, everything || of.explanation == nullptr);
   all.posterior = posterior_of(of, all.fit, scatter, spread, std::move(components));
   if (everything) all.set_ups = set_ups_of(of, spread, all.posterior.noise_dof, all.remarks);
   Observation nominal(of.robot, of.measurements, of.options, {});
@@ -285,9 +285,8 @@ Evidence evidence_of(const Finished& of, std::vector<StageReport> stages, std::v
   }
   const bool determined = all.are_complete && is_determined(of, all.fit);
   Outcome outcome = outcome_of(of, all.fit, determined, all.residuals.chance, compared);
-  return {{std::move(all.fit), std::move(all.set_ups), std::move(all.residuals), std::move(all.posterior),
-           std::move(stated.use), std::move(outcome), std::move(all.remarks), of.robot, std::move(all.options),
-           of.measurements.files},
+  return {{std::move(all.fit), std::move(all.set_ups), std::move(all.residuals), std::move(all.posterior), stated.use,
+           std::move(outcome), std::move(all.remarks), of.robot, std::move(all.options), of.measurements.files},
           is_better_known(compared, of.options)};
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibration/fit/as_given.hpp"
-#include "finished.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 
@@ -18,7 +18,7 @@ std::optional<double> chance_of(double gain, double found, const Scatter& scatte
 inline constexpr const char *kRoughStage = "rough", *kFineStage = "fine";
 
 /// Of a fit without priors by its own root.
-StageReport stage_report(std::string name, const StageFit& fit);
+StageReport stage_report(std::string name, const StageFit& of);
 
 struct Evidence {
   Calibration calibration;

@@ -145,7 +145,7 @@ Spread spread_of(const Finished& of, const FitSummary& fit, const Scatter& scatt
 
 Posterior posterior_of(const Finished& of, const FitSummary& fit, const Scatter& scatter, const Spread& spread,
                        std::vector<Component> components) {
-  const bool explained = of.explanation && spread.errors.size() > 0;
+  const bool explained = of.explanation != nullptr && spread.errors.size() > 0;
   Posterior all = explained ? of.explanation->known
                             : Posterior{.covariance = spread.errors, .noise_covariance = spread.errors_by_noise};
   const bool contradicted =

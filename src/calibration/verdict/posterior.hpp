@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "calibration/fit/scatter.hpp"
-#include "finished.hpp"
+#include "explanation.hpp"
 
 namespace paracal::detail {
 
