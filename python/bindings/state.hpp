@@ -42,6 +42,7 @@ inline constexpr bool is_a<Template<Of...>, Template> = true;
     return std::tie(__VA_ARGS__);           \
   }
 PARACAL_FIELDS(PlateFreedoms, free)
+PARACAL_FIELDS(Actuator, drive, rods)
 PARACAL_FIELDS(LimbDescription, base, plate, length, arm, axis, at_zero, behind, kind, width, azimuth, zero, gain,
                alpha0, beta0)
 PARACAL_FIELDS(Slide, axis, sign, pinion_radius)

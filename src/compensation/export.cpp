@@ -230,7 +230,7 @@ void add_axes(const ExportedMachine& exported, Values& values) {
       others.emplace_back(1, static_cast<char>(std::toupper(letter[0])));
       continue;
     }
-    const bool turns = k >= 3, is_slide = exported.machine.has_slide() && k == 5;
+    const bool turns = k >= 3, is_slide = among_seven(exported.machine, k) == 6;
     pins += fmt::format("pin in float command.{} \"{}\";\n", letter,
                         is_slide ? "commanded rotation of the end-effector, deg" : what);
     of_pins += fmt::format("  pose[{}] = command_{}{};\n", k, letter, turns ? " / PARACAL_DEGREES" : "");

@@ -210,8 +210,8 @@ ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors,
       worst(variant_error(robot, machine, variant)) {}
 
 std::string coordinate_name(const Machine& machine, std::size_t place) {
-  constexpr std::array kNames{"x_mm", "y_mm", "z_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad"};
-  return place == 5 && machine.has_slide() ? "phi_rad" : kNames.at(place);
+  constexpr std::array kNames{"x_mm", "y_mm", "z_mm", "tilt_x_rad", "tilt_y_rad", "tilt_z_rad", "phi_rad"};
+  return kNames.at(among_seven(machine, place));
 }
 
 std::string decimal(double value) {

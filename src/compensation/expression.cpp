@@ -84,9 +84,7 @@ ArmDirection<Expression> turn_by(const Expression& angle) {
   return {Expression(Operation::turn_cosine, {angle}), Expression(Operation::turn_sine, {angle})};
 }
 
-ClosureDrive drive_of(const ClosureLimb<Expression>& limb) {
-  return static_cast<ClosureDrive>(static_cast<int>(limb.drive->value));
-}
+Drive drive_of(const ClosureLimb<Expression>& limb) { return static_cast<Drive>(static_cast<int>(limb.drive->value)); }
 
 std::size_t rod_count(const ClosureLimb<Expression>& limb) { return static_cast<std::size_t>(limb.rods->value); }
 

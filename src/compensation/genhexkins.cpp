@@ -35,7 +35,7 @@ std::string scale(std::string_view name, std::size_t limb, double gain, double o
 
 std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
   const std::vector<Actuator> kinds = kinds_of(robot.limbs());
-  const bool has_struts = kinds.size() == 6 && std::ranges::count(kinds, Actuator::strut) == 6;
+  const bool has_struts = kinds == std::vector(6, Actuator::strut);
   if (!has_struts || robot.nominal().has_guides) {
     throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
   }

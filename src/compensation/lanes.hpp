@@ -82,9 +82,7 @@ inline Lanes atan2(const Lanes& y, const Lanes& x) {
 }
 
 // All lanes hold the same limb.
-inline ClosureDrive drive_of(const ClosureLimb<Lanes>& limb) {
-  return static_cast<ClosureDrive>(static_cast<int>(limb.drive[0]));
-}
+inline Drive drive_of(const ClosureLimb<Lanes>& limb) { return static_cast<Drive>(static_cast<int>(limb.drive[0])); }
 inline std::size_t rod_count(const ClosureLimb<Lanes>& limb) { return static_cast<std::size_t>(limb.rods[0]); }
 
 inline ArmDirection<Lanes> turn_by_any(const Lanes& angle) {

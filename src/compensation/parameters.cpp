@@ -18,7 +18,7 @@ static_assert(kCompensatorLimbs == kMaxLimbs);
 /// Bit k of coordinate k that a machine can be commanded to: x, y, z, tilt_x, tilt_y, tilt_z, phi.
 std::uint32_t commanded(const Machine& machine) {
   std::uint32_t bits = 0;
-  for (const std::size_t k : commanded_coordinates(machine)) bits |= 1U << (k == 5 && machine.has_slide() ? 6 : k);
+  for (const std::size_t k : commanded_coordinates(machine)) bits |= 1U << among_seven(machine, k);
   return bits;
 }
 

@@ -69,7 +69,7 @@ ClosureLimb<Expression> named_limb(const ClosureLimb<double>& limb, std::size_t 
 ClosurePose<Expression> asked_pose(const Machine& machine) {
   const std::vector<std::size_t> commanded = commanded_coordinates(machine);
   const auto coordinate = [&](std::size_t k, bool is_slide = false) {
-    const bool is_asked = std::ranges::count(commanded, k) > 0 && is_slide == (k == 5 && machine.has_slide());
+    const bool is_asked = std::ranges::count(commanded, k) > 0 && is_slide == (among_seven(machine, k) == 6);
     if (is_asked) return input("pose", k);
     return Expression(k == 2 ? machine.guided_z : 0.0);
   };
@@ -166,7 +166,7 @@ class Recorder {
     const Arms<Expression, N> arms = closure::unit_arms(limbs_, arms_);
     for (const auto& row : closure::joint_rates<N>(limbs_, pose_, plate_, arms)) {
       for (const std::size_t k : commanded_coordinates(machine_)) {
-        values.push_back(row[k == 5 && machine_.has_slide() ? 6 : k]);
+        values.push_back(row[among_seven(machine_, k)]);
       }
     }
     return Procedure({{"rates", std::move(values)}});

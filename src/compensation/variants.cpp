@@ -109,7 +109,7 @@ double rate_error_at(const Machine& machine, const Pose& pose) {
   const auto rates = closure::joint_rates<N>(limbs, at, plate, arms);
   double worst = 0.0;
   for (const std::size_t place : commanded_coordinates(machine)) {
-    const std::size_t k = place == 5 && machine.has_slide() ? 6 : place;
+    const std::size_t k = among_seven(machine, place);
     const Joints exact = exact_rate(machine, pose, place);
     for (std::size_t i = 0; i < N; ++i) {
       const double off = rates[i][k] - exact(static_cast<Eigen::Index>(i));

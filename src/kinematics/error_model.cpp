@@ -45,7 +45,7 @@ void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
     model.A_ee.row(i) = w0.cross(l);
     const double arms = joint_ratio(limb) / joint_ratio(machine.limbs[0]);  // columns count by the first limb's
     model.B_d.row(i) << arms * l.dot(v1), l.transpose(), l.dot(u1), turned(limb.radial), turned(v0), 1.0;
-    if (limb.actuator == Actuator::linear) {
+    if (has(limb.actuator, "gain")) {
       const auto column = [&](Source source) { return static_cast<Eigen::Index>(place_in(limb.actuator, source)); };
       model.B_d(i, column("gain")) = l.dot(v1) * model.joints(i) / kGainLength;
       model.B_d(i, column("beta0")) = turned(w0);

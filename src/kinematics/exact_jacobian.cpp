@@ -158,7 +158,7 @@ SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Mat
   const auto at = [&](Source source) -> double& { return derivative(column(source)); };
   const auto turn = [&](const Eigen::Vector3d& axis) { return -n.dot(axis.cross(elbow.lever)); };
   derivative.segment<3>(column("plate_x")) = n.transpose() * rotation;
-  if (limb.actuator == Actuator::carriage) {
+  if (has(limb.actuator, "normal")) {
     at("zero") = -n.dot(elbow.arm_normal);
     at("normal") = -n.dot(limb.radial);
     at("across") = -n.dot(limb.sideways);
@@ -171,9 +171,10 @@ SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Mat
     at("gain") = -joint / kGainLength;
     return derivative;
   }
-  if (limb.actuator == Actuator::crank) at("arm_length") = -n.dot(elbow.arm);
+  const bool swings = swings_arm(limb.actuator);
+  if (swings) at("arm_length") = -n.dot(elbow.arm);
   at("alpha0") = turn(limb.radial);
-  at("beta0") = turn(limb.frame.col(limb.actuator == Actuator::crank ? 1 : 2));
+  at("beta0") = turn(limb.frame.col(swings ? 1 : 2));
   at("rod_length") = -1.0;
   return derivative;
 }

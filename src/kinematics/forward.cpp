@@ -153,7 +153,7 @@ bool is_near(const WorkingRange& range, const PlateState& plate) {
 Joints change_of(const Machine& machine, const Joints& from, const Joints& to) {
   Joints change = to - from;
   for (Eigen::Index i = 0; i < change.size(); ++i) {
-    if (swings_arm(machine.limbs[static_cast<std::size_t>(i)].actuator)) {
+    if (joint_unit(machine.limbs[static_cast<std::size_t>(i)].actuator) == Unit::rad) {
       change(i) = std::remainder(change(i), 2.0 * std::numbers::pi);
     }
   }

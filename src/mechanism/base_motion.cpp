@@ -7,13 +7,13 @@ namespace paracal {
 
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
   const Limb& nominal = robot.nominal().limbs[limb];
-  if (nominal.actuator == Actuator::carriage) {
+  if (has(nominal.actuator, "normal")) {
     errors(limb, "zero") += shift.dot(nominal.frame.col(1));
     errors(limb, "normal") += shift.dot(nominal.radial);
     errors(limb, "across") += shift.dot(nominal.sideways);
     return;
   }
-  const Source joint = nominal.has_one_rod() ? Source("base_x") : Source("e_x");
+  const Source joint = has(nominal.actuator, "e_x") ? Source("e_x") : Source("base_x");
   const std::span<const Source> point = sharing(joint, nominal.actuator);
   for (std::size_t k = 0; k < point.size(); ++k) {
     const double along = shift(static_cast<Eigen::Index>(k)), same = robot.parameter(limb, point[k]).as_joint_zero;
@@ -34,10 +34,11 @@ namespace {
 
 /// @param along  the turn in the limb's frame.
 void turn_single_rod(Actuator kind, const Eigen::Vector3d& along, std::size_t limb, SourceErrors& errors) {
-  if (kind == Actuator::strut) return;
+  if (!has(kind, "alpha0")) return;
+  const bool swings = swings_arm(kind);
   errors(limb, "alpha0") = along.x();
-  errors(limb, "beta0") = kind == Actuator::crank ? along.y() : along.z();
-  if (kind == Actuator::crank) errors(limb, "zero") = along.z();
+  errors(limb, "beta0") = swings ? along.y() : along.z();
+  if (swings) errors(limb, "zero") = along.z();
 }
 
 }  // namespace

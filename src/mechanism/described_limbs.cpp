@@ -32,13 +32,9 @@ constexpr double kSquare = 0.1;
 
 void check_drive(const LimbDescription& limb, std::size_t number) {
   const auto key = [&](std::string_view name) { return fmt::format("limb: {} of limb {}", name, number); };
-  detail::require_positive_mm(key(limb.kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm"), limb.length);
-  if (!on_single_rods(limb.kind)) detail::require_positive_mm(key("parallelogram_width_mm"), limb.width);
-  if (limb.kind == Actuator::strut) return;
-  require_direction(key(swings_arm(limb.kind) ? "axis" : "direction"), limb.axis);
-  if (runs_on_rail(limb.kind)) return;
-  detail::require_positive_mm(key("arm_mm"), limb.arm);
-  require_direction(key("arm_at_zero"), limb.at_zero);
+  for (const LimbLength& one : lengths_of(limb.kind)) detail::require_positive_mm(key(one.key), limb.*one.member);
+  for (const LimbDirection& one : directions_of(limb.kind)) require_direction(key(one.key), limb.*one.member);
+  if (!swings_arm(limb.kind)) return;
   if (limb.axis.normalized().cross(limb.at_zero.normalized()).norm() > kSquare) return;
   throw InvalidArgument(fmt::format("{}: expected an arm that points away from its axis {}, got {}", key("arm_at_zero"),
                                     numbers(limb.axis), numbers(limb.at_zero)));
@@ -58,7 +54,7 @@ void check_freedoms(const Limbs& limbs, const PlateFreedoms& freedoms, bool has_
                                       of, has_slide ? " and a slide" : "", count));
   }
   std::size_t rods = 0;
-  for (const LimbDescription& limb : limbs) rods += on_single_rods(limb.kind) ? 1 : 2;
+  for (const LimbDescription& limb : limbs) rods += limb.kind.rods;
   const std::size_t pairs = rods - count;
   if (has_slide && (pairs != count || count != 4)) {
     throw InvalidArgument("plate: expected no slide, or four limbs with two rods");
@@ -118,7 +114,7 @@ std::vector<std::pair<std::string, double>> dimensions_of(const Limbs& limbs) {
     };
     add("base_joint_mm", limb.base.norm());
     add("plate_joint_mm", limb.plate.norm());
-    add(limb.kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length);
+    add(lengths_of(limb.kind).front().key, limb.length);
     add("arm_mm", limb.arm);
   }
   return all;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "paracal/error.hpp"
@@ -54,7 +55,33 @@ void check_nominal(const LimbDescription& limb, const SourceErrors& errors, std:
   }
 }
 
+constexpr LimbLength kRod{"rod_mm", "the rod", &LimbDescription::length, "rod_length"},
+    kRods{"rod_mm", "the rods", &LimbDescription::length, "rod_mean"},
+    kBar{"parallelogram_width_mm", "the bar at the plate", &LimbDescription::width, "width_difference"},
+    kArm{"arm_mm", "the arm", &LimbDescription::arm, "arm_length"},
+    kStrut{"length_at_zero_mm", "the strut at zero", &LimbDescription::length, "zero"};
+
+constexpr std::array kOfArm{kRods, kBar, kArm};
+constexpr std::array kOfRail{kRods, kBar}, kOfCrank{kRod, kArm};
+constexpr std::array kOfCarriage{kRod}, kOfStrut{kStrut};
+
+constexpr std::array kOfMotor{LimbDirection{"axis", &LimbDescription::axis},
+                              LimbDirection{"arm_at_zero", &LimbDescription::at_zero}};
+constexpr std::array kAlongRail{LimbDirection{"direction", &LimbDescription::axis}};
+
 }  // namespace
+
+std::span<const LimbLength> lengths_of(Actuator kind) {
+  using Lengths = std::span<const LimbLength>;
+  static constexpr std::array<std::array<Lengths, 2>, 3> kLengths{
+      {{kOfCrank, kOfArm}, {kOfCarriage, kOfRail}, {kOfStrut, {}}}};
+  return kLengths[static_cast<std::size_t>(kind.drive)][kind.rods - 1U];
+}
+
+std::span<const LimbDirection> directions_of(Actuator kind) {
+  static constexpr std::array<std::span<const LimbDirection>, 3> kDirections{{kOfMotor, kAlongRail, {}}};
+  return kDirections[static_cast<std::size_t>(kind.drive)];
+}
 
 Eigen::Matrix3d frame_of(const LimbDescription& limb) {
   // Rot(z, gamma) Rot(x, pi/2)
@@ -72,9 +99,7 @@ Limbs with_errors(Limbs limbs, const SourceErrors& errors) {
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     LimbDescription& limb = limbs[i];
     check_nominal(limb, errors, i);
-    const auto error = [&](Source source) {
-      return place_in(limb.kind, source) < kMostSources ? errors(i, source) : 0.0;
-    };
+    const auto error = [&](Source source) { return has(limb.kind, source) ? errors(i, source) : 0.0; };
     const detail::NominalLimb nominal{limb, frame_of(limb)};
     if (runs_on_rail(limb.kind)) limb.at_zero = nominal.frame.col(0);  // which is not to turn with its foot
     limb.base += detail::shift_of_base<double>(nominal, error);

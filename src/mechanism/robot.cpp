@@ -104,31 +104,15 @@ void check_tolerances(const Tolerances& tolerances, const Limbs& limbs) {
   }
 }
 
-struct Length {
-  std::string_view of;
-  double value;
-};
-
-/// What must be longer than 0 mm.
-std::vector<Length> lengths_of(const LimbDescription& limb, const auto& error) {
-  std::vector<Length> all;
-  if (swings_arm(limb.kind)) all.push_back({"the arm", limb.arm + error("arm_length")});
-  if (limb.kind == Actuator::strut) all.push_back({"the strut at zero", limb.length + limb.zero + error("zero")});
-  if (limb.kind != Actuator::strut && on_single_rods(limb.kind)) {
-    all.push_back({"the rod", limb.length + error("rod_length")});
-  }
-  if (on_single_rods(limb.kind)) return all;
-  all.push_back({"the rods", limb.length + error("rod_mean") - 0.5 * std::abs(error("rod_difference"))});
-  all.push_back({"the bar at the plate", limb.width + error("width_difference")});
-  return all;
-}
-
 /// @param number  of the limb, from 0.
 std::optional<std::string> absurd_length(const LimbDescription& limb, const SourceErrors& errors, std::size_t number) {
   const auto error = [&](Source source) { return errors(number, source); };
-  for (const auto& [of, value] : lengths_of(limb, error)) {
+  for (const LimbLength& one : lengths_of(limb.kind)) {
+    double value = limb.*one.member + error(one.error);
+    if (is_joint_zero(one.error)) value += limb.zero;
+    if (one.error == "rod_mean") value -= 0.5 * std::abs(error("rod_difference"));  // of the shorter rod
     if (!(value > 0.0))
-      return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", of, number + 1, value);
+      return fmt::format("expected {} of limb {} longer than 0 mm, got {:g} mm", one.words, number + 1, value);
   }
   const double travel = kGainLength + limb.gain + error("gain");
   if (travel > 0.0) return std::nullopt;
@@ -270,7 +254,7 @@ Robot::Robot(RobotDescription description)
       parameters_(parameters_of(description_, nominal_)) {}
 
 const Parameter& Robot::parameter(std::size_t limb, Source source) const {
-  if (limb < limb_count() && place_in(nominal_.limbs[limb].actuator, source) < kMostSources) {
+  if (limb < limb_count() && has(nominal_.limbs[limb].actuator, source)) {
     return parameters_[nominal_.parameter(limb, source)];
   }
   throw InvalidArgument(

@@ -24,7 +24,7 @@ constexpr double kSmallestAzimuthGap = std::numbers::pi / 180.0;
 void check_lengths(const SharedDimensions& shared) {
   require_positive_mm("geometry.base_radius_mm", shared.base_radius);
   require_positive_mm("geometry.plate_radius_mm", shared.plate_radius);
-  if (shared.actuator == Actuator::revolute || shared.arm != 0.0) require_positive_mm("geometry.arm_mm", shared.arm);
+  if (swings_arm(shared.actuator) || shared.arm != 0.0) require_positive_mm("geometry.arm_mm", shared.arm);
   require_positive_mm("geometry.rod_mm", shared.rod);
   require_positive_mm("geometry.parallelogram_width_mm", shared.parallelogram_width);
 }
@@ -77,7 +77,7 @@ void add_differences(const LimbDescription& limb, const LimbDescription& alike, 
   differences(number, "e_y") = tidy(shift.y());
   differences(number, "e_z") = tidy(shift.z());
   differences(number, "rod_mean") = tidy(limb.length - alike.length);
-  if (swings_arm(limb.kind)) differences(number, "arm_length") = tidy(limb.arm - alike.arm);
+  if (has(limb.kind, "arm_length")) differences(number, "arm_length") = tidy(limb.arm - alike.arm);
   differences(number, "theta_offset") = limb.zero;
   differences(number, "gain") = limb.gain;
   differences(number, "alpha0") = limb.alpha0;
@@ -106,7 +106,7 @@ Limbs alike_limbs(const SharedDimensions& shared) {
 bool is_like(const LimbDescription& limb, const LimbDescription& other) {
   constexpr double kAlike = 1e-9;  // mm
   return limb.kind == other.kind && limb.width == other.width && !limb.behind &&
-         (limb.plate - other.plate).norm() < kAlike && (swings_arm(limb.kind) || limb.arm == other.arm);
+         (limb.plate - other.plate).norm() < kAlike && (has(limb.kind, "arm_length") || limb.arm == other.arm);
 }
 
 }  // namespace

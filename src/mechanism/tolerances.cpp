@@ -99,7 +99,7 @@ double generous_of_one_rod(Source source, Actuator kind) {
 /// @param width  of the parallelogram, mm. The pitch of a toothed belt is to 0.5 mm/m, a rolled screw of class T10 to
 ///               0.7 mm/m.
 double generous_of_parallelogram(Source source, Actuator kind, double width) {
-  if (is_joint_zero(source)) return kind == Actuator::linear ? 3.0 : to_radians(1.5);
+  if (is_joint_zero(source)) return generous_of_one_rod(source, kind);
   static const std::map<std::string_view, double> kGenerous{{"e_x", 3.0},
                                                             {"e_y", 3.0},
                                                             {"e_z", 3.0},

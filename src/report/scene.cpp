@@ -31,14 +31,14 @@ io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& join
     for (std::size_t j = 0; j < rod_count(limb); ++j) {
       rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + turn * hinges[j]))});
     }
-    if (limb.has_one_rod() && limb.actuator != Actuator::crank) {  // from the base, or from the carriage
+    const bool swings = swings_arm(limb.actuator);
+    if (limb.has_one_rod() && !swings) {  // from the base, or from the carriage
       limbs.push_back({{"base_mm", rounded(elbow.joint[0])}, {"rods_mm", std::move(rods)}});
       continue;
     }
     // A rail's arm begins where its carriage stands.
     const Eigen::Vector3d middle = 0.5 * (elbow.joint[0] + elbow.joint[1]);
-    const Eigen::Vector3d base =
-        limb.actuator == Actuator::linear ? Eigen::Vector3d(middle + limb.arm * elbow.arm) : limb.base;
+    const Eigen::Vector3d base = swings ? limb.base : Eigen::Vector3d(middle + limb.arm * elbow.arm);
     limbs.push_back({{"base_mm", rounded(base)}, {"elbow_mm", rounded(middle)}, {"rods_mm", std::move(rods)}});
   }
   return limbs;

@@ -37,7 +37,8 @@ struct FeatureOfLimbs {
 
 /// What a drawing has of each source error; a point is listed by its first coordinate.
 const std::vector<FeatureOfLimbs>& features() {
-  using enum Actuator;
+  constexpr Actuator revolute = Actuator::revolute, linear = Actuator::linear, strut = Actuator::strut,
+                     crank = Actuator::crank, carriage = Actuator::carriage;
   constexpr std::string_view kPlane = "the base plane", kPlate = "bar at the plate", kCarriage = "bar on the carriage",
                              kElbow = "bar at the elbow", kMotor = "motor axis",
                              kRadial = "the limb's radial direction", kDatum = "the base's datum";
@@ -106,7 +107,7 @@ double size_of(Source source, const LimbDescription& limb) {
 std::vector<double> sizes_of(Source source, const Limbs& limbs) {
   std::vector<double> sizes;
   for (const LimbDescription& limb : limbs) {
-    if (place_in(limb.kind, source) < kMostSources) sizes.push_back(size_of(source, limb));
+    if (has(limb.kind, source)) sizes.push_back(size_of(source, limb));
   }
   std::ranges::sort(sizes);
   sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());

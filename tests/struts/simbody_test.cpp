@@ -40,12 +40,12 @@ test::AssembledLimb assembled_limb(const Limb& limb, double joint) {
                            .plate = in_metres(limb.plate),
                            .length = limb.rod[0] / kMetre};
   const Eigen::Matrix3d& frame = limb.frame;
-  switch (limb.actuator) {
-    case Actuator::crank:
+  switch (limb.actuator.drive) {
+    case Drive::arm:
       made.motor = Motor::turns;
       made.frame = rows_of(frame);
       break;
-    case Actuator::carriage: {
+    case Drive::rail: {
       Eigen::Matrix3d along;
       along << frame.col(1), frame.col(2), frame.col(0);
       made.motor = Motor::pushes;

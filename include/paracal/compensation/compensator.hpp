@@ -139,7 +139,7 @@ Vector<Scalar> unit(const Vector<Scalar>& v) noexcept {
 template <typename Scalar>
 LinearLimb<Scalar> linear_limb(const ClosureLimb<Scalar>& limb, const ClosureLimb<Scalar>& first,
                                const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
-  const bool on_rail = closure::drive_of(limb) == ClosureDrive::rail;
+  const bool on_rail = closure::drive_of(limb) == Drive::rail;
   const Scalar place = place_of(limb, joint);
   const Scalar c = on_rail ? Scalar(1) : std::cos(place), s = on_rail ? place : std::sin(place);
   const auto [u1, v1, elbow] = elbow_of(limb, {c, s});

@@ -78,7 +78,7 @@ struct Elbow {
 
 template <typename Scalar>
 constexpr std::size_t rod_count(const BasicLimb<Scalar>& limb) {
-  return limb.has_one_rod() ? 1 : 2;
+  return limb.actuator.rods;
 }
 
 template <typename Scalar>

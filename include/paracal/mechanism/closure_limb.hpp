@@ -10,17 +10,11 @@ ClosureVector<Scalar> closure_vector(const Eigen::Vector3d& v) {
   return {static_cast<Scalar>(v.x()), static_cast<Scalar>(v.y()), static_cast<Scalar>(v.z())};
 }
 
-inline ClosureDrive closure_drive(Actuator actuator) {
-  if (swings_arm(actuator)) return ClosureDrive::arm;
-  return runs_on_rail(actuator) ? ClosureDrive::rail : ClosureDrive::strut;
-}
-
 /// A limb of a machine as its closure needs it, rounded to Scalar last. Real-time: yes.
 template <typename Scalar = double>
 ClosureLimb<Scalar> closure_limb(const Machine& machine, std::size_t number) {
   const Limb& limb = machine.limbs[number];
   const auto rounded = [](const Eigen::Vector3d& v) { return closure_vector<Scalar>(v); };
-  const ClosureDrive drive = closure_drive(limb.actuator);
   ClosureLimb<Scalar> closure;
   closure.base = rounded(limb.base);
   closure.radial = rounded(limb.frame.col(0));
@@ -32,11 +26,10 @@ ClosureLimb<Scalar> closure_limb(const Machine& machine, std::size_t number) {
   closure.arm = static_cast<Scalar>(limb.arm);
   closure.joint_offset = static_cast<Scalar>(limb.joint_offset + (limb.is_strut() ? limb.rod[0] : 0.0));
   closure.joint_per_mm = static_cast<Scalar>(1.0 / limb.gain);
-  closure.drive = static_cast<Scalar>(static_cast<int>(drive));
+  closure.drive = static_cast<Scalar>(static_cast<int>(limb.actuator.drive));
   closure.ahead = static_cast<Scalar>(limb.ahead);
-  if (limb.has_one_rod()) {
-    closure.rods = Scalar(1);
-  } else {
+  closure.rods = static_cast<Scalar>(limb.actuator.rods);
+  if (!limb.has_one_rod()) {
     closure.elbow_half = rounded(0.5 * limb.elbow_width * limb.elbow_frame.col(2));
     closure.plate_half = rounded(0.5 * limb.plate_width * limb.plate_frame.col(2));
   }

@@ -59,7 +59,7 @@ struct BasicLimb {
 
   /// Length of the rod that would replace the pair along the centre line C_i A_i.
   Scalar mean_rod() const { return Scalar(0.5) * (rod[0] + rod[1]); }
-  bool is_strut() const { return actuator == Actuator::strut; }
+  bool is_strut() const { return actuator.drive == Drive::strut; }
   bool has_one_rod() const { return on_single_rods(actuator); }
 };
 using Limb = BasicLimb<double>;
@@ -145,11 +145,10 @@ inline JointSolution driven_to(const Limb& limb, double place) noexcept {
 
 /// Joint coordinate that puts the elbow one (mean) rod away from a point; a strut reaches any.
 inline JointSolution solve_joint(const Limb& limb, const Eigen::Vector3d& joint_at_plate) noexcept {
-  switch (limb.actuator) {
-    case Actuator::strut:
+  switch (limb.actuator.drive) {
+    case Drive::strut:
       return driven_to(limb, (joint_at_plate - limb.base).norm() - limb.rod[0]);
-    case Actuator::carriage:
-    case Actuator::linear:
+    case Drive::rail:
       return driven_to(limb, close_on_rail(limb, joint_at_plate));
     default:
       return arm_along(limb, close_triangle(limb, joint_at_plate));

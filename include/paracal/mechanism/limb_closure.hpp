@@ -7,8 +7,16 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace paracal {
+
+/// What a joint moves. A ClosureLimb holds it as a number.
+enum class Drive : std::uint8_t {
+  arm,    ///< C = b + L u_1, u_1 = cos(th) u_0 + sin(th) v_0,  th = q + joint_offset
+  rail,   ///< C = b - L u_0 + s v_0,                           s = q / joint_per_mm + joint_offset
+  strut,  ///< C = b, a rod of the length                       s = q / joint_per_mm + joint_offset
+};
 
 /// Direction of an arm: (cos(th), sin(th)) times any positive factor; on a rail (1, travel of the carriage in mm). NaN
 /// when out of reach.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,22 @@ struct LimbDescription {
   double beta0 = 0.0;
 };
 using Limbs = std::vector<LimbDescription>;
+
+/// A length that limbs of a kind have: its key in files, what people call it, and the error that changes it.
+struct LimbLength {
+  std::string_view key, words;
+  double LimbDescription::*member;
+  Source error;
+};
+/// The rod, the width of its parallelogram, and the arm.
+std::span<const LimbLength> lengths_of(Actuator kind);
+
+/// Directions of the drive, and their keys in files.
+struct LimbDirection {
+  std::string_view key;
+  Eigen::Vector3d LimbDescription::*member;
+};
+std::span<const LimbDirection> directions_of(Actuator kind);
 
 /// Base of a limb, before it leans: columns u_0, v_0, w_0 in {O}. Of an arm: where it points at joint coordinate 0,
 /// where it goes from there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from

@@ -18,13 +18,6 @@ namespace paracal {
 template <typename Scalar>
 using ClosureVector = std::array<Scalar, 3>;
 
-/// What a joint moves. A ClosureLimb holds it as a number.
-enum class ClosureDrive : std::uint8_t {
-  arm,    ///< C = b + L u_1, u_1 = cos(th) u_0 + sin(th) v_0,  th = q + joint_offset
-  rail,   ///< C = b - L u_0 + s v_0,                           s = q / joint_per_mm + joint_offset
-  strut,  ///< C = b, a rod of the length                       s = q / joint_per_mm + joint_offset
-};
-
 /// One limb of a machine, errors included [huang2016, Eq. (1)]: one rod, or two side by side, from the elbow C to the
 /// plate joint; mm, in the base frame {O} unless said otherwise. Plain numbers without padding.
 template <typename Scalar>
@@ -39,7 +32,7 @@ struct ClosureLimb {
   Scalar arm{};                                      ///< L_i
   Scalar joint_offset{};                             ///< rad, or mm of travel or length
   Scalar joint_per_mm = Scalar(1);  ///< of rails and struts: mm of the joint coordinate per mm, 1 / gain
-  Scalar drive{};                   ///< a ClosureDrive
+  Scalar drive{};                   ///< a Drive
   Scalar rods = Scalar(2);          ///< 1 or 2
   Scalar ahead = Scalar(1);         ///< +1: the carriage is ahead of the plate joint, -1: behind it
 };
@@ -128,8 +121,8 @@ ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
 }
 
 template <typename Scalar>
-ClosureDrive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
-  return static_cast<ClosureDrive>(static_cast<int>(limb.drive));
+Drive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
+  return static_cast<Drive>(static_cast<int>(limb.drive));
 }
 
 template <typename Scalar>
@@ -140,7 +133,7 @@ std::size_t rod_count(const ClosureLimb<Scalar>& limb) noexcept {
 /// Its coordinate is a length, not an angle.
 template <typename Scalar>
 bool moves_in_mm(const ClosureLimb<Scalar>& limb) noexcept {
-  return drive_of(limb) != ClosureDrive::arm;
+  return drive_of(limb) != Drive::arm;
 }
 
 /// cos and sin of an angle of any size.
@@ -190,11 +183,11 @@ Vector<Scalar> plate_joint(const ClosureLimb<Scalar>& limb, const Scalar& phi) n
 template <typename Scalar>
 ArmDirection<Scalar> close_limb(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
   using std::sqrt;
-  const ClosureDrive drive = drive_of(limb);
-  if (drive == ClosureDrive::strut) return {Scalar(1), sqrt(dot(d, d))};
+  const Drive drive = drive_of(limb);
+  if (drive == Drive::strut) return {Scalar(1), sqrt(dot(d, d))};
   const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
   const Scalar radial = dot(d, limb.radial), normal = dot(d, limb.normal);
-  if (drive == ClosureDrive::arm) return close_triangle(ArmReach<Scalar>{radial, normal, dot(d, d), limb.arm, rod});
+  if (drive == Drive::arm) return close_triangle(ArmReach<Scalar>{radial, normal, dot(d, d), limb.arm, rod});
   const Scalar travel = close_on_rail(RailReach<Scalar>{radial, limb.ahead * normal, dot(d, limb.axis), limb.arm, rod});
   return {Scalar(1), limb.ahead * travel};
 }
@@ -209,9 +202,9 @@ struct ClosedElbow {
 /// @param arm  of unit length.
 template <typename Scalar>
 ClosedElbow<Scalar> elbow_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
-  const ClosureDrive drive = drive_of(limb);
-  if (drive == ClosureDrive::strut) return {limb.radial, limb.normal, limb.base};
-  if (drive == ClosureDrive::rail) {
+  const Drive drive = drive_of(limb);
+  if (drive == Drive::strut) return {limb.radial, limb.normal, limb.base};
+  if (drive == Drive::rail) {
     return {limb.radial, limb.normal, sum(sum(limb.base, limb.radial, -limb.arm), limb.normal, arm.sine)};
   }
   const Vector<Scalar> u1 = sum(scaled(limb.radial, arm.cosine), limb.normal, arm.sine);
@@ -223,9 +216,9 @@ ClosedElbow<Scalar> elbow_of(const ClosureLimb<Scalar>& limb, const ArmDirection
 template <typename Scalar>
 Scalar rod_by_joint(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& n, const Vector<Scalar>& v1) noexcept {
   switch (drive_of(limb)) {
-    case ClosureDrive::arm:
+    case Drive::arm:
       return -dot(n, v1) * limb.arm;
-    case ClosureDrive::rail:
+    case Drive::rail:
       return -dot(n, v1) * (Scalar(1) / limb.joint_per_mm);
     default:
       return -(Scalar(1) / limb.joint_per_mm);
@@ -295,7 +288,7 @@ std::array<JointRates<Scalar>, N> joint_rates(const ClosureLimbs<Scalar, Size>& 
     const Vector<Scalar> lever = plate.turned(plate_joint(limbs[i], pose.phi));
     const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, lever), elbow.centre, Scalar(-1));
     // The length of the rod cancels, but for a strut, whose length is the joint's.
-    const Scalar length = drive_of(limbs[i]) == ClosureDrive::strut ? arms[i].sine : Scalar(1);
+    const Scalar length = drive_of(limbs[i]) == Drive::strut ? arms[i].sine : Scalar(1);
     const Vector<Scalar> along = scaled(rod, Scalar(-1) / (length * rod_by_joint(limbs[i], rod, elbow.v1)));
     const Vector<Scalar> moment = cross(lever, along);
     rates[i] = {along[0],
@@ -365,7 +358,7 @@ Pull<Scalar> pull_of_rods(const ClosureLimbs<Scalar, Size>& limbs, const Closure
       const Scalar side = j == 0 ? Scalar(1) : Scalar(-1);
       const Vector<Scalar> rod = sum(mean_rod, half_rod, side);
       const Scalar length = sqrt(dot(rod, rod));
-      const Scalar tight = drive_of(limb) == ClosureDrive::strut ? state.arms[i].sine : limb.rod[j];
+      const Scalar tight = drive_of(limb) == Drive::strut ? state.arms[i].sine : limb.rod[j];
       const Vector<Scalar> tension = scaled(rod, (length - tight) / length);
       both = sum(both, tension);
       pull.moment = sum(pull.moment, cross(sum(centre, plate_half, side), tension));

@@ -53,8 +53,8 @@ struct NominalLimb {
 
 template <typename Scalar, typename ErrorOf>
 Vector3<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
-  if (!on_single_rods(limb.of.kind)) return {error("e_x"), error("e_y"), error("e_z")};
-  if (limb.of.kind != Actuator::carriage) return {error("base_x"), error("base_y"), error("base_z")};
+  if (has(limb.of.kind, "e_x")) return {error("e_x"), error("e_y"), error("e_z")};
+  if (has(limb.of.kind, "base_x")) return {error("base_x"), error("base_y"), error("base_z")};
   return limb.frame.col(0).cast<Scalar>() * error("normal") + limb.frame.col(2).cast<Scalar>() * error("across");
 }
 
@@ -93,7 +93,7 @@ void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Sca
 template <typename Scalar, typename ErrorOf>
 void hang_one_rod(const NominalLimb& nominal, double width, const ErrorOf& error, BasicLimb<Scalar>& limb) {
   const Scalar length =
-      nominal.of.length + (nominal.of.kind == Actuator::strut ? Scalar(0) : Scalar(error("rod_length")));
+      nominal.of.length + (has(nominal.of.kind, "rod_length") ? Scalar(error("rod_length")) : Scalar(0));
   limb.rod = {length, length};
   limb.plate = nominal.of.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
   limb.elbow_frame = limb.plate_frame = Matrix3<Scalar>::Identity();
@@ -136,7 +136,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     machine.pinion_radius = robot.slide->pinion_radius;
   }
   const double width = sizes_of(robot.limbs).parallelogram_width;
-  std::size_t parallelograms = 0;
+  std::size_t rods = 0;
   bool turns_bars = false;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const detail::NominalLimb limb{robot.limbs[i], frame_of(robot.limbs[i])};
@@ -147,18 +147,18 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
       detail::hang_one_rod<Scalar>(limb, width, error, machine.limbs[i]);
     } else {
       detail::hang_parallelogram<Scalar>(limb, error, machine.limbs[i]);
-      ++parallelograms;
+      turns_bars |= detail::turns_bars<Scalar>(limb.of, error);
     }
+    rods += limb.of.kind.rods;
     const std::span<const Source> own = sources_of(limb.of.kind);
     machine.first_parameter[i + 1] = static_cast<std::uint16_t>(machine.first_parameter[i] + own.size());
     for (const Source source : own) {
       if (paracal::tilts_plate(source) && error(source) != Scalar(0)) machine.tilts_plate = true;
     }
-    if (!on_single_rods(limb.of.kind) && detail::turns_bars<Scalar>(limb.of, error)) turns_bars = true;
   }
   if (machine.commands_tilt() && turns_bars) machine.tilts_plate = true;
-  machine.has_guides = parallelograms == 0 && !machine.freedoms.are_all();
-  machine.is_level = parallelograms == machine.limb_count && machine.freedoms == kLevelPlate &&
+  machine.has_guides = rods == machine.limb_count && !machine.freedoms.are_all();
+  machine.is_level = rods == 2 * machine.limb_count && machine.freedoms == kLevelPlate &&
                      machine.limb_count == (robot.slide ? 4U : 3U);
   return machine;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "paracal/mechanism/limb_closure.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/units.hpp"
 
@@ -145,36 +146,42 @@ struct BySource {
 /// Travel that `gain` refers to, mm.
 inline constexpr double kGainLength = 1000.0;
 
-/// The drive of a limb, and whether one rod or two hang on it.
-enum class Actuator : std::uint8_t {
-  revolute,  ///< a motor rotates an arm; joint coordinate: angle, rad
-  linear,    ///< a carriage runs along a rail; joint coordinate: its height along the rail, mm
-  strut,     ///< the limb is one rod that extends; joint coordinate: extension, mm
-  crank,     ///< a motor rotates an arm with one rod; joint coordinate: angle, rad
-  carriage,  ///< a carriage with one rod runs along a rail; joint coordinate: travel, mm
+/// The kind of a limb: what its joint moves, and how many rods hang on that.
+struct Actuator {
+  Drive drive = Drive::strut;
+  std::uint8_t rods = 1;  ///< 1, or 2 of a parallelogram
+
+  friend constexpr bool operator==(const Actuator&, const Actuator&) = default;
+  static const Actuator revolute, linear;        ///< an arm or a rail with a parallelogram
+  static const Actuator strut, crank, carriage;  ///< the limb is a rod that extends; an arm or a rail with one rod
 };
-inline constexpr std::size_t kLimbKinds = 5;
+inline constexpr Actuator Actuator::revolute{Drive::arm, 2};
+inline constexpr Actuator Actuator::linear{Drive::rail, 2};
+inline constexpr Actuator Actuator::strut{Drive::strut, 1};
+inline constexpr Actuator Actuator::crank{Drive::arm, 1};
+inline constexpr Actuator Actuator::carriage{Drive::rail, 1};
 
 /// One rod hangs on the drive, not a parallelogram.
-constexpr bool on_single_rods(Actuator actuator) { return actuator >= Actuator::strut; }
+constexpr bool on_single_rods(Actuator actuator) { return actuator.rods == 1; }
 
 /// The joint coordinate is the angle of an arm.
-constexpr bool swings_arm(Actuator actuator) { return actuator == Actuator::revolute || actuator == Actuator::crank; }
+constexpr bool swings_arm(Actuator actuator) { return actuator.drive == Drive::arm; }
 
 /// The joint coordinate is a position on a rail.
-constexpr bool runs_on_rail(Actuator actuator) {
-  return actuator == Actuator::linear || actuator == Actuator::carriage;
-}
+constexpr bool runs_on_rail(Actuator actuator) { return actuator.drive == Drive::rail; }
 
 /// Unit of a joint coordinate.
 constexpr Unit joint_unit(Actuator actuator) { return swings_arm(actuator) ? Unit::rad : Unit::mm; }
 
+namespace detail {
+/// By drive, then by the number of its rods.
+inline constexpr std::array<std::array<std::span<const Source>, 2>, 3> kSourcesOfKinds{
+    {{kCrankSources, kRevoluteSources}, {kCarriageSources, kLinearSources}, {kStrutSources, {}}}};
+}  // namespace detail
+
 /// The source errors of a kind of limb, in column order. The first is its joint zero.
 constexpr std::span<const Source> sources_of(Actuator actuator) {
-  constexpr std::array<std::span<const Source>, kLimbKinds> kLists{detail::kRevoluteSources, detail::kLinearSources,
-                                                                   detail::kStrutSources, detail::kCrankSources,
-                                                                   detail::kCarriageSources};
-  return kLists[static_cast<std::size_t>(actuator)];
+  return detail::kSourcesOfKinds[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U];
 }
 
 /// The most that a limb has.
@@ -184,13 +191,16 @@ constexpr Source joint_zero(Actuator actuator) { return sources_of(actuator).fro
 constexpr bool is_joint_zero(Source source) { return !source.unit(); }
 
 namespace detail {
-/// Place of each source in the list of each kind of limb; kMostSources where that kind does not have it.
-inline constexpr std::array<BySource<std::uint8_t>, kLimbKinds> kPlaces = [] {
-  std::array<BySource<std::uint8_t>, kLimbKinds> places{};
-  for (std::size_t kind = 0; kind < kLimbKinds; ++kind) {
-    places[kind].values.fill(kMostSources);
-    const std::span<const Source> own = sources_of(static_cast<Actuator>(kind));
-    for (std::size_t k = 0; k < own.size(); ++k) places[kind][own[k]] = static_cast<std::uint8_t>(k);
+using Places = BySource<std::uint8_t>;
+inline constexpr std::array<std::array<Places, 2>, 3> kPlaces = [] {
+  std::array<std::array<Places, 2>, 3> places{};
+  for (std::size_t drive = 0; drive < places.size(); ++drive) {
+    for (std::size_t more = 0; more < 2; ++more) {
+      Places& of_kind = places[drive][more];
+      of_kind.values.fill(kMostSources);
+      const std::span<const Source> own = kSourcesOfKinds[drive][more];
+      for (std::size_t k = 0; k < own.size(); ++k) of_kind[own[k]] = static_cast<std::uint8_t>(k);
+    }
   }
   return places;
 }();
@@ -198,8 +208,11 @@ inline constexpr std::array<BySource<std::uint8_t>, kLimbKinds> kPlaces = [] {
 
 /// Place of a source in the list of a kind of limb, from 0; kMostSources where that kind does not have it.
 constexpr std::size_t place_in(Actuator actuator, Source source) {
-  return detail::kPlaces[static_cast<std::size_t>(actuator)][source];
+  return detail::kPlaces[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U][source];
 }
+
+/// That kind of limb has it.
+constexpr bool has(Actuator actuator, Source source) { return place_in(actuator, source) < kMostSources; }
 
 /// mm; for a robot that is not stated: no robot is larger.
 inline constexpr double kLargestReach = 1e5;

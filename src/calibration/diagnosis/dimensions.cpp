@@ -30,7 +30,7 @@ SourceErrors each(const Robot& robot, Source source) {
 
 /// A longer arm of a carriage takes its elbow inward.
 SourceErrors longer_arm(const Robot& robot) {
-  if (robot.actuator() != Actuator::linear) return each(robot, "arm_length");
+  if (has(robot.actuator(), "arm_length")) return each(robot, "arm_length");
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
     shift_limb(robot, limb, -robot.nominal().limbs[limb].frame.col(0), errors);
   });
@@ -48,13 +48,12 @@ SourceErrors only_limb(const SourceErrors& all, std::size_t limb) {
   return one;
 }
 
-/// What is off by `source` where a number of a limb with dimensions of its own is wrong.
-Dimension length_of_limb(const Robot& robot, std::string_view key, double LimbDescription::*number, Source source,
-                         std::size_t limb) {
-  return {fmt::format("{} of limb {}", key, limb + 1), false,
-          [limb, number](const RobotDescription& r) { return r.limbs[limb].*number; },
-          [limb, number](RobotDescription& r, double value) { r.limbs[limb].*number = value; },
-          only_limb(each(robot, source), limb)};
+/// A length of a limb with dimensions of its own.
+Dimension length_of_limb(const Robot& robot, const LimbLength& length, std::size_t limb) {
+  return {fmt::format("{} of limb {}", length.key, limb + 1), false,
+          [limb, length](const RobotDescription& r) { return r.limbs[limb].*length.member; },
+          [limb, length](RobotDescription& r, double value) { r.limbs[limb].*length.member = value; },
+          only_limb(each(robot, length.error), limb)};
 }
 
 /// What is off by `direction` where a number of the short form is wrong.
@@ -85,12 +84,9 @@ Dimension shared_length(std::string key, double SharedDimensions::*length, const
 std::vector<Dimension> lengths_of_limbs(const Robot& robot) {
   std::vector<Dimension> all;
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
-    const Actuator kind = robot.nominal().limbs[limb].actuator;
-    const bool is_strut = kind == Actuator::strut;
-    const Source length = is_strut ? Source("zero") : on_single_rods(kind) ? Source("rod_length") : Source("rod_mean");
-    all.push_back(
-        length_of_limb(robot, is_strut ? "length_at_zero_mm" : "rod_mm", &LimbDescription::length, length, limb));
-    if (swings_arm(kind)) all.push_back(length_of_limb(robot, "arm_mm", &LimbDescription::arm, "arm_length", limb));
+    for (const LimbLength& one : lengths_of(robot.limbs()[limb].kind)) {
+      if (!tilts_plate(one.error)) all.push_back(length_of_limb(robot, one, limb));
+    }
   }
   return all;
 }

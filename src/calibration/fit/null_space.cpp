@@ -64,7 +64,8 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns, Eigen::Index count) 
 /// The base joint on a rail that leans shifts along it in more than one coordinate; of one along a coordinate, this
 /// error has the effect of the joint zero and is not sought.
 bool slides_on_its_rail(const Robot& robot, std::size_t limb) {
-  if (robot.nominal().limbs[limb].actuator != Actuator::linear) return false;
+  const Actuator kind = robot.limbs()[limb].kind;
+  if (!runs_on_rail(kind) || !has(kind, "e_x")) return false;
   return std::ranges::none_of(robot.parameters(),
                               [&](const Parameter& one) { return one.limb == limb && one.as_joint_zero != 0.0; });
 }
@@ -73,7 +74,8 @@ bool slides_on_its_rail(const Robot& robot, std::size_t limb) {
 bool is_turned_about_itself(const Robot& robot, std::size_t limb) {
   constexpr double kParallel = 1e-9;  // sine
   const Limb& rail = robot.nominal().limbs[limb];
-  return rail.actuator == Actuator::linear && rail.frame.col(1).cross(rail.radial).norm() < kParallel;
+  return runs_on_rail(rail.actuator) && has(rail.actuator, "e_x") &&
+         rail.frame.col(1).cross(rail.radial).norm() < kParallel;
 }
 
 }  // namespace

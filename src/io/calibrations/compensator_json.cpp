@@ -27,7 +27,7 @@ Json limb_json(const ClosureLimb<double>& limb) {
             {"plate_half_mm", limb.plate_half},
             {"rod_mm", limb.rod},
             {"arm_mm", limb.arm},
-            {"on_rail", closure::drive_of(limb) == ClosureDrive::rail},
+            {"on_rail", closure::drive_of(limb) == Drive::rail},
             {"ahead", limb.ahead > 0.0},
             {fmt::format("joint_offset_{}", file_unit(unit)), to_file_unit(unit, limb.joint_offset)}};
   if (in_mm) json["joint_per_mm"] = limb.joint_per_mm;

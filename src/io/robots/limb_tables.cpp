@@ -18,11 +18,6 @@ namespace {
 constexpr std::array kLimbKinds{Actuator::strut, Actuator::crank, Actuator::carriage};
 constexpr std::string_view kAhead = "ahead", kBehind = "behind", kWidth = "parallelogram_width_mm";
 
-/// The kind in a file: of the drive alone, however many rods hang on it.
-std::string_view drive_name(Actuator kind) {
-  return actuator_name(swings_arm(kind) ? Actuator::crank : runs_on_rail(kind) ? Actuator::carriage : kind);
-}
-
 Eigen::Vector3d vector_of(Section& limb, std::string_view key, const plausible::Range& range = plausible::kDirection) {
   const std::vector<double> values = limb.numbers(key, range, 3);
   return {values[0], values[1], values[2]};
@@ -39,7 +34,7 @@ Actuator kind_of(Section& limb) {
   if (kind == kLimbKinds.end()) fail(limb, "kind", "\"strut\", \"arm\" or \"rail\"", name);
   if (!limb.find(kWidth)) return *kind;
   if (*kind == Actuator::strut) limb.fail(*limb.find(kWidth), "expected an arm or a rail to carry a parallelogram");
-  return *kind == Actuator::crank ? Actuator::revolute : Actuator::linear;
+  return {kind->drive, 2};
 }
 
 bool stands_behind(Section& rail) {
@@ -54,39 +49,23 @@ bool stands_behind(Section& rail) {
 LimbDescription limb_of(Section& limb) {
   const Actuator kind = kind_of(limb);
   LimbDescription one{.base = vector_of(limb, "base_joint_mm", plausible::kFinite),
-                      .plate = vector_of(limb, "plate_joint_mm", plausible::kFinite)};
-  one.length = limb.number(kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", plausible::kFinite);
-  one.kind = kind;
-  if (!on_single_rods(kind)) one.width = limb.number(kWidth, plausible::kFinite);
-  if (swings_arm(kind)) {
-    one.arm = limb.number("arm_mm", plausible::kFinite);
-    one.axis = vector_of(limb, "axis");
-    one.at_zero = vector_of(limb, "arm_at_zero");
-  }
-  if (runs_on_rail(kind)) {
-    one.axis = vector_of(limb, "direction");
-    one.behind = stands_behind(limb);
-  }
+                      .plate = vector_of(limb, "plate_joint_mm", plausible::kFinite),
+                      .kind = kind};
+  for (const LimbLength& length : lengths_of(kind)) one.*length.member = limb.number(length.key, plausible::kFinite);
+  for (const LimbDirection& direction : directions_of(kind)) one.*direction.member = vector_of(limb, direction.key);
+  if (runs_on_rail(kind)) one.behind = stands_behind(limb);
   limb.refuse_others();
   return one;
 }
 
 Json limb_json(const LimbDescription& limb) {
   const Actuator kind = limb.kind;
-  Json json{{"kind", drive_name(kind)},
+  Json json{{"kind", actuator_name({kind.drive, 1})},  // of the drive alone, however many rods hang on it
             {"base_joint_mm", json_array(limb.base)},
-            {"plate_joint_mm", json_array(limb.plate)},
-            {kind == Actuator::strut ? "length_at_zero_mm" : "rod_mm", limb.length}};
-  if (!on_single_rods(kind)) json[kWidth] = limb.width;
-  if (swings_arm(kind)) {
-    json["arm_mm"] = limb.arm;
-    json["axis"] = json_array(limb.axis);
-    json["arm_at_zero"] = json_array(limb.at_zero);
-  }
-  if (runs_on_rail(kind)) {
-    json["direction"] = json_array(limb.axis);
-    json["carriage"] = limb.behind ? kBehind : kAhead;
-  }
+            {"plate_joint_mm", json_array(limb.plate)}};
+  for (const LimbLength& length : lengths_of(kind)) json[length.key] = limb.*length.member;
+  for (const LimbDirection& direction : directions_of(kind)) json[direction.key] = json_array(limb.*direction.member);
+  if (runs_on_rail(kind)) json["carriage"] = limb.behind ? kBehind : kAhead;
   return json;
 }
 

@@ -16,8 +16,9 @@ constexpr std::array<std::string_view, 3> kDistributions{"normal", "uniform", "t
 }  // namespace
 
 std::string_view actuator_name(Actuator actuator) {
-  static constexpr std::array<std::string_view, 5> kNames{"revolute", "linear", "strut", "arm", "rail"};
-  return kNames[static_cast<std::size_t>(actuator)];
+  static constexpr std::array<std::array<std::string_view, 2>, 3> kNames{
+      {{"arm", "revolute"}, {"rail", "linear"}, {"strut", ""}}};
+  return kNames[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U];
 }
 
 std::string_view file_unit(Source source, Actuator actuator) { return file_unit(unit(source, actuator)); }
@@ -38,7 +39,7 @@ std::string joint_acceleration_key(Actuator actuator) {
 }
 
 std::array<std::pair<std::string, double>, 2> joint_limits_in_file(const JointLimits& limits, Actuator actuator) {
-  const auto value = [&](double limit) { return swings_arm(actuator) ? tidy_degrees(limit) : limit; };
+  const auto value = [&](double limit) { return joint_unit(actuator) == Unit::rad ? tidy_degrees(limit) : limit; };
   return {{{joint_speed_key(actuator), value(limits.speed)},
            {joint_acceleration_key(actuator), value(limits.acceleration)}}};
 }
