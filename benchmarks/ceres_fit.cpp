@@ -27,11 +27,11 @@ template <typename Scalar, typename Number>
 BasicSourceErrors<Scalar> source_errors(const Number* numbers) {
   BasicSourceErrors<Scalar> errors;
   for (std::size_t k = 0; k < kSources; ++k) {
-    const Source source = sources_of(Actuator::revolute)[k % kMostSources];
+    const Source source = sources_of(Actuator::revolute)[k % sources_of(Actuator::revolute).size()];
     if constexpr (std::is_same_v<Scalar, double>) {
-      errors(k / kMostSources, source) = plain(numbers[k]);
+      errors(k / sources_of(Actuator::revolute).size(), source) = plain(numbers[k]);
     } else {
-      errors(k / kMostSources, source) = numbers[k];
+      errors(k / sources_of(Actuator::revolute).size(), source) = numbers[k];
     }
   }
   return errors;
@@ -145,7 +145,8 @@ void add_priors(const FineFit& fit, double* errors, ceres::Problem& problem) {
 std::array<double, kSources> numbers_of(const SourceErrors& errors) {
   std::array<double, kSources> numbers{};
   for (std::size_t k = 0; k < kSources; ++k)
-    numbers[k] = errors(k / kMostSources, sources_of(Actuator::revolute)[k % kMostSources]);
+    numbers[k] = errors(k / sources_of(Actuator::revolute).size(),
+                        sources_of(Actuator::revolute)[k % sources_of(Actuator::revolute).size()]);
   return numbers;
 }
 

@@ -40,7 +40,8 @@ std::vector<Eigen::Vector3d> plate_centres(const FineFit& fit, const SourceError
 Eigen::VectorXd prior_std_of(const Robot& robot) {
   Eigen::VectorXd std(kSources);
   for (Eigen::Index k = 0; k < kSources; ++k) {
-    std(k) = robot.tolerances()->std(sources_of(Actuator::revolute)[static_cast<std::size_t>(k) % kMostSources]);
+    std(k) = robot.tolerances()->std(
+        sources_of(Actuator::revolute)[static_cast<std::size_t>(k) % sources_of(Actuator::revolute).size()]);
   }
   return std;
 }
@@ -73,7 +74,8 @@ double squared_residuals(const FineFit& fit, const FineAnswer& answer) {
     sum += (answer.frame(centres[k]) - fit.points[k]).squaredNorm() / (fit.sigma * fit.sigma);
   }
   for (std::size_t k = 0; k < kSources; ++k) {
-    const double error = answer.errors(k / kMostSources, sources_of(Actuator::revolute)[k % kMostSources]);
+    const double error = answer.errors(k / sources_of(Actuator::revolute).size(),
+                                       sources_of(Actuator::revolute)[k % sources_of(Actuator::revolute).size()]);
     sum += std::pow(error / fit.prior_std(static_cast<Eigen::Index>(k)), 2);
   }
   return sum;

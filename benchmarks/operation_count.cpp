@@ -159,7 +159,7 @@ class Counter {
     const double halves = kVector + 2.0 * kVector + 2.0 + kVector + kRotate, directions = 2.0 * kRotate + 5.0 * kVector;
     // arm_length; the sums of alpha0 and beta0; rod_difference; width_difference
     const double rest = kDot + 2.0 + 1.0 + (kDot + 1.0);
-    const double accumulate = 2.0 * kUnknowns * kMostSources;
+    const double accumulate = 2.0 * kUnknowns * sources_of(Actuator::revolute).size();
     const Operations rotation = count([&] { keep(plate_rotation(Vector3<Counted>::Zero().eval())); });
     return rotation + by_hand(kRods * (turn * turns + halves + directions + rest + accumulate));
   }

@@ -47,7 +47,8 @@ nlohmann::json fit_as_json(const FineFit& fit, double cost) {
     commanded.push_back(plate_as_json(fit.robot, fit.measurements.stations[k].commanded));
   }
   for (std::size_t k = 0; k < kSources; ++k)
-    start.push_back(fit.start(k / kMostSources, sources_of(Actuator::revolute)[k % kMostSources]));
+    start.push_back(fit.start(k / sources_of(Actuator::revolute).size(),
+                              sources_of(Actuator::revolute)[k % sources_of(Actuator::revolute).size()]));
   return {{"points", points},
           {"joints", joints},
           {"commanded", commanded},

@@ -42,9 +42,9 @@ inline constexpr bool is_a<Template<Of...>, Template> = true;
     return std::tie(__VA_ARGS__);           \
   }
 PARACAL_FIELDS(PlateFreedoms, free)
-PARACAL_FIELDS(Actuator, drive, rods)
+PARACAL_FIELDS(Actuator, drive, rods, has_harmonics)
 PARACAL_FIELDS(LimbDescription, base, plate, length, arm, axis, at_zero, behind, kind, width, azimuth, zero, gain,
-               alpha0, beta0)
+               alpha0, beta0, pitch, turn_sine, turn_cosine)
 PARACAL_FIELDS(Slide, axis, sign, pinion_radius)
 PARACAL_FIELDS(Workspace::Box, x, y, z)
 PARACAL_FIELDS(Workspace::Level, z, radius)

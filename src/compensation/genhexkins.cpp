@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "export_text.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal {
@@ -34,12 +35,14 @@ std::string scale(std::string_view name, std::size_t limb, double gain, double o
 }  // namespace
 
 std::string genhexkins(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin) {
-  const std::vector<Actuator> kinds = kinds_of(robot.limbs());
-  const bool has_struts = kinds == std::vector(6, Actuator::strut);
+  const auto is_strut = [](Actuator kind) { return kind.drive == Drive::strut; };
+  const bool has_struts = robot.limb_count() == 6 && std::ranges::all_of(kinds_of(robot.limbs()), is_strut);
   if (!has_struts || robot.nominal().has_guides) {
     throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
   }
   const Machine machine = build(robot, errors);
+  require_no_harmonics(compensator_parameters(robot, errors));
+  require_no_harmonics(compensator_parameters(robot, errors));
   std::string base, platform, lengths, drives;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& strut = machine.limbs[i];

@@ -34,7 +34,7 @@ struct JointSample {
 };
 
 JointSample joint_sample(const Robot& robot, Actuator limb) {
-  if (limb == Actuator::strut) return {Unit::mm, "strut", "a longer strut", 5.0, 500.0};
+  if (limb.drive == Drive::strut) return {Unit::mm, "strut", "a longer strut", 5.0, 500.0};
   const bool described = is_described(robot);
   if (swings_arm(limb)) {
     return {Unit::rad, "arm",

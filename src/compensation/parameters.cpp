@@ -23,9 +23,10 @@ std::uint32_t commanded(const Machine& machine) {
 }
 
 template <typename Scalar>
-DriveCurve<Scalar> in_scalar(const DriveCurve<double>& curve) {
+DriveCurve<Scalar> in_scalar(const DriveCurve<double>& curve, const TurnCurve<double>& turn) {
   DriveCurve<Scalar> rounded{static_cast<Scalar>(curve.first), static_cast<Scalar>(curve.spacing)};
   std::ranges::transform(curve.sizes, rounded.sizes.begin(), [](double size) { return static_cast<Scalar>(size); });
+  rounded.turn = {static_cast<Scalar>(turn.turning), static_cast<Scalar>(turn.sine), static_cast<Scalar>(turn.cosine)};
   return rounded;
 }
 
@@ -59,9 +60,10 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
     parameters.identified[i] = closure_limb<Scalar>(identified, i);
     parameters.nominal[i] = closure_limb<Scalar>(robot.nominal(), i);
-    parameters.drives[i] = in_scalar<Scalar>(drives.of(i));
+    parameters.drives[i] = in_scalar<Scalar>(drives.of(i), identified.limbs[i].turn);
     if (!identified.is_level) continue;
-    const std::span<const Source> own = sources_of(robot.actuator());
+    constexpr std::size_t kEven = ErrorModel::kPosition + ErrorModel::kTilt;  // harmonics are with the drives
+    const std::span<const Source> own = sources_of(robot.actuator()).first(kEven);
     for (std::size_t k = 0; k < own.size(); ++k) {
       const auto error = static_cast<Scalar>(robot.parameter(i, own[k]).lever * errors(i, own[k]));
       constexpr std::size_t kPosition = ErrorModel::kPosition;
@@ -79,6 +81,19 @@ template CompensatorParameters<float> compensator_parameters(const Robot& robot,
 template CompensationStatus compensate(const CompensatorParameters<double>& parameters, CompensationWay way,
                                        const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,
                                        CompensatorTilt<double>* tilt) noexcept;
+
+void require_no_harmonics(const CompensatorParameters<double>& parameters) {
+  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
+    const TurnCurve<double>& turn = parameters.drives[i].turn;
+    if (turn.is_even() || (turn.sine == 0.0 && turn.cosine == 0.0)) continue;
+    throw InvalidArgument(
+        fmt::format("export: expected drives without harmonics, got turn_sine and turn_cosine of limb {}: code for "
+                    "controllers does "
+                    "not hold them. Use paracal compensate or --target gcode or csv, which do, or calibrate with --fix "
+                    "turn_sine,turn_cosine",
+                    i + 1));
+  }
+}
 
 Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints) {
   Joints vector(static_cast<Eigen::Index>(robot.limb_count()));

@@ -135,7 +135,7 @@ double rate_error(const Robot& robot, const Machine& machine) {
 }
 
 Machine built_for_export(const Robot& robot, const SourceErrors& errors) {
-  (void)compensator_parameters(robot, errors);  // refuses what has none
+  require_no_harmonics(compensator_parameters(robot, errors));  // which refuses what has none
   return build(robot, errors);
 }
 

@@ -65,7 +65,7 @@ double reciprocal_condition(const Matrix& matrix, const Matrix& inverse) {
 
 /// G = A^-1 B with block-diagonal B: limb i fills its columns with column i of A^-1 times row i of B.
 template <int N>
-void solve(ErrorModel& model) {
+void solve(const Machine& machine, ErrorModel& model) {
   const Eigen::Matrix<double, N, N> A_dd = model.A_dd;
   const Eigen::Matrix<double, N, 3> A_de = model.A_de, A_ee = model.A_ee;
   const Eigen::Matrix3d normal = A_ee.transpose() * A_ee;
@@ -81,12 +81,17 @@ void solve(ErrorModel& model) {
   }
   const Eigen::Matrix<double, 3, N> A_ee_pseudo_inverse = normal_inverse * A_ee.transpose();
   const Eigen::Matrix<double, N, N> tilt_to_delta = -A_dd_inverse * A_de * A_ee_pseudo_inverse;
-  model.G_dd.resize(N, N * ErrorModel::kPosition);
+  const bool has_harmonics = machine.actuator().has_harmonics;
+  const int per_limb = ErrorModel::kPosition + (has_harmonics ? 2 : 0);
+  model.G_dd.resize(N, N * per_limb);
   model.G_de.resize(N, N * ErrorModel::kTilt);
   model.G_ee.resize(3, N * ErrorModel::kTilt);
   for (int i = 0; i < N; ++i) {
-    model.G_dd.template middleCols<ErrorModel::kPosition>(i * ErrorModel::kPosition) =
-        A_dd_inverse.col(i) * model.B_d.row(i);
+    model.G_dd.template middleCols<ErrorModel::kPosition>(i * per_limb) = A_dd_inverse.col(i) * model.B_d.row(i);
+    for (int k = 0; has_harmonics && k < 2; ++k) {
+      const std::array<double, 2> by = by_harmonics(machine.limbs[i], model.joints(i));
+      model.G_dd.col(i * per_limb + ErrorModel::kPosition + k) = by[k] * model.G_dd.col(i * per_limb);
+    }
     model.G_de.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) = tilt_to_delta.col(i) * model.B_e.row(i);
     model.G_ee.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) =
         A_ee_pseudo_inverse.col(i) * model.B_e.row(i);
@@ -104,7 +109,7 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   model.joints = nominal.joints;
   detail::with_pair_count(robot.limb_count(), [&]<int N>() {
     assemble<N>(robot.nominal(), pose, model);
-    solve<N>(model);
+    solve<N>(robot.nominal(), model);
   });
   return model;
 }

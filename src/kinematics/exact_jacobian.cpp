@@ -7,7 +7,7 @@
 namespace paracal {
 namespace {
 
-/// A column a source error of a limb with two rods: known when compiling, and so fast.
+/// A column a source error of a limb with two rods, without harmonics: known when compiling, and so fast.
 constexpr int kOfParallelogram = static_cast<int>(sources_of(Actuator::revolute).size());
 static_assert(sources_of(Actuator::linear).size() == kOfParallelogram);
 using ParallelogramRow = Eigen::Matrix<double, 1, kOfParallelogram>;
@@ -40,7 +40,7 @@ ParallelogramRow rod_derivative(const Limb& limb, double joint, const Elbow<doub
   at("e_z") = -n.z();
   if (on_rail) {
     at("theta_offset") = -n.dot(elbow.arm_normal);
-    at("gain") = at("theta_offset") * joint / kGainLength;
+    at("gain") = at("theta_offset") * limb.turn.actual(joint) / kGainLength;
   } else {
     at("theta_offset") = elbow_turn(actuator_axis, elbow_lever);
     at("arm_length") = -n.dot(elbow.arm);
@@ -139,6 +139,12 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
       rods.row(1) = rod_derivative(limb, joints(i), elbows[i], rotation, linear.direction[row + 1], -1.0);
       jacobian.plate.template block<detail::kUnknowns<N>, kOfParallelogram>(0, first) =
           residual_to_plate.template middleCols<2>(row).lazyProduct(rods);
+      if (limb.actuator.has_harmonics) {
+        const auto [sine, cosine] = by_harmonics(limb, joints(i));
+        const Eigen::Index turn = first + kOfParallelogram;
+        jacobian.plate.col(turn) = sine * jacobian.plate.col(first);
+        jacobian.plate.col(turn + 1) = cosine * jacobian.plate.col(first);
+      }
       row += 2;
     }
   }
@@ -162,13 +168,18 @@ SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Mat
     at("zero") = -n.dot(elbow.arm_normal);
     at("normal") = -n.dot(limb.radial);
     at("across") = -n.dot(limb.sideways);
-    at("gain") = -n.dot(elbow.arm_normal) * joint / kGainLength;
+    at("gain") = -n.dot(elbow.arm_normal) * limb.turn.actual(joint) / kGainLength;
   } else {
     at("zero") = limb.is_strut() ? -1.0 : turn(limb.frame.col(2));
     derivative.segment<3>(column("base_x")) = -n;
   }
+  if (limb.actuator.has_harmonics) {
+    const auto [sine, cosine] = by_harmonics(limb, joint);
+    at("turn_sine") = sine * at("zero");
+    at("turn_cosine") = cosine * at("zero");
+  }
   if (limb.is_strut()) {
-    at("gain") = -joint / kGainLength;
+    at("gain") = -limb.turn.actual(joint) / kGainLength;
     return derivative;
   }
   const bool swings = swings_arm(limb.actuator);

@@ -21,7 +21,8 @@ void take(InverseResult& result, std::size_t limb, const JointSolution& solution
   }
 }
 
-/// Closed form of six struts, with all their errors; as solve_joint(), but roots and quotients of all struts together.
+/// Closed form of six even struts, with all their errors; as solve_joint(), but roots and quotients of all struts
+/// together.
 InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
   using PerStrut = Eigen::Array<double, 6, 1>;
   const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
@@ -55,7 +56,7 @@ InverseResult limb_inverse(const Machine& machine, const Pose& pose) {
 }
 
 InverseResult closed_inverse(const Machine& machine, const Pose& pose) {
-  const auto is_strut = [](const Limb& limb) { return limb.is_strut(); };
+  const auto is_strut = [](const Limb& limb) { return limb.is_strut() && limb.turn.is_even(); };
   const bool six_struts = machine.limb_count == 6 && std::ranges::all_of(std::span(machine.limbs).first(6), is_strut);
   return six_struts ? strut_inverse(machine, pose) : limb_inverse(machine, pose);
 }
@@ -97,11 +98,16 @@ InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool ca
   InverseResult result{.status = InverseStatus::reached, .joints = Joints(N)};
   closure::joints_of(limbs, arms, result.joints);
   for (std::size_t i = 0; i < N; ++i) take(result, i, solution(result.joints(static_cast<Eigen::Index>(i))));
-  if (!result.ok() || !can_be_commanded) return result;
-  ClosureVector<double> tilt{};
-  result.iterations = closure::settle(limbs, commanded, fourth_coordinate(machine), arms, result.joints, tilt);
-  result.tilt = {tilt[0], tilt[1], tilt[2]};
-  if (result.iterations == 0) result.status = InverseStatus::not_converged;
+  if (result.ok() && can_be_commanded) {
+    ClosureVector<double> tilt{};
+    result.iterations = closure::settle(limbs, commanded, fourth_coordinate(machine), arms, result.joints, tilt);
+    result.tilt = {tilt[0], tilt[1], tilt[2]};
+    if (result.iterations == 0) result.status = InverseStatus::not_converged;
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    double& joint = result.joints(static_cast<Eigen::Index>(i));
+    joint = machine.limbs[i].turn.commanded(joint);
+  }
   return result;
 }
 

@@ -16,7 +16,7 @@ using SourceRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, s
 SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Matrix3d& rotation,
                                 const Eigen::Vector3d& n);
 
-/// df / dq: mm of a rod's residual per rad or mm of the joint of its limb.
+/// df / dq: mm of a rod's residual per rad or mm of where the joint of its limb is.
 inline double by_joint(const Limb& limb, const Elbow<double>& elbow, std::size_t rod,
                        const Eigen::Vector3d& direction) {
   return limb.is_strut() ? -limb.gain : -direction.dot(hinge_motion(limb, elbow, rod));

@@ -33,6 +33,11 @@ constexpr double kSquare = 0.1;
 void check_drive(const LimbDescription& limb, std::size_t number) {
   const auto key = [&](std::string_view name) { return fmt::format("limb: {} of limb {}", name, number); };
   for (const LimbLength& one : lengths_of(limb.kind)) detail::require_positive_mm(key(one.key), limb.*one.member);
+  if (limb.kind.has_harmonics != (limb.pitch > 0.0) || !std::isfinite(limb.pitch)) {
+    const Unit unit = joint_unit(limb.kind);
+    throw InvalidArgument(fmt::format("{}: expected more than 0 {}, got {:g}", key(pitch_key(limb.kind)),
+                                      file_unit(unit), to_file_unit(unit, limb.pitch)));
+  }
   for (const LimbDirection& one : directions_of(limb.kind)) require_direction(key(one.key), limb.*one.member);
   if (!swings_arm(limb.kind)) return;
   if (limb.axis.normalized().cross(limb.at_zero.normalized()).norm() > kSquare) return;
@@ -126,7 +131,7 @@ void check_described_limbs(const Limbs& limbs, const PlateFreedoms& freedoms, bo
   for (std::size_t i = 0; i < limbs.size(); ++i) {
     const LimbDescription& limb = limbs[i];
     if (!limb.base.allFinite() || !limb.plate.allFinite() ||
-        !std::isfinite(limb.zero + limb.gain + limb.alpha0 + limb.beta0)) {
+        !std::isfinite(limb.zero + limb.gain + limb.alpha0 + limb.beta0 + limb.turn_sine + limb.turn_cosine)) {
       throw InvalidArgument(fmt::format("limb: expected numbers for the joints of limb {}", i + 1));
     }
     check_drive(limb, i + 1);

@@ -78,6 +78,8 @@ std::span<const LimbLength> lengths_of(Actuator kind) {
   return kLengths[static_cast<std::size_t>(kind.drive)][kind.rods - 1U];
 }
 
+std::string_view pitch_key(Actuator kind) { return joint_unit(kind) == Unit::rad ? "pitch_deg" : "pitch_mm"; }
+
 std::span<const LimbDirection> directions_of(Actuator kind) {
   static constexpr std::array<std::span<const LimbDirection>, 3> kDirections{{kOfMotor, kAlongRail, {}}};
   return kDirections[static_cast<std::size_t>(kind.drive)];
@@ -85,10 +87,16 @@ std::span<const LimbDirection> directions_of(Actuator kind) {
 
 Eigen::Matrix3d frame_of(const LimbDescription& limb) {
   // Rot(z, gamma) Rot(x, pi/2)
-  if (limb.kind == Actuator::strut || limb.azimuth) return detail::nominal_frame(azimuth_of(limb));
+  if (limb.kind.drive == Drive::strut || limb.azimuth) return detail::nominal_frame(azimuth_of(limb));
   if (runs_on_rail(limb.kind)) return rail_frame(limb);
   const Eigen::Vector3d axis = limb.axis.normalized(), at_zero = square_to(axis, limb.at_zero);
   return columns(at_zero, axis.cross(at_zero));
+}
+
+LimbDescription with_pitch(LimbDescription limb, double pitch) {
+  limb.pitch = pitch;
+  limb.kind.has_harmonics = pitch != 0.0;
+  return limb;
 }
 
 double azimuth_of(const LimbDescription& limb) {
@@ -110,6 +118,8 @@ Limbs with_errors(Limbs limbs, const SourceErrors& errors) {
     limb.gain += error("gain");
     limb.alpha0 += error("alpha0");
     limb.beta0 += error("beta0");
+    limb.turn_sine += error("turn_sine");
+    limb.turn_cosine += error("turn_cosine");
   }
   return limbs;
 }

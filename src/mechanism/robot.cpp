@@ -104,6 +104,15 @@ void check_tolerances(const Tolerances& tolerances, const Limbs& limbs) {
   }
 }
 
+/// Of those with harmonics.
+double least_pitch(const Limbs& limbs) {
+  double least = HUGE_VAL;
+  for (const LimbDescription& limb : limbs) {
+    if (limb.kind.has_harmonics) least = std::min(least, limb.pitch);
+  }
+  return least;
+}
+
 /// @param number  of the limb, from 0.
 std::optional<std::string> absurd_length(const LimbDescription& limb, const SourceErrors& errors, std::size_t number) {
   const auto error = [&](Source source) { return errors(number, source); };
@@ -190,7 +199,7 @@ double lever_of(const Limbs& limbs, const Machine& nominal, std::size_t number, 
   const Limb& limb = nominal.limbs[nominal.limbs[number].actuator == nominal.actuator() ? 0 : number];
   if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / sizes_of(limbs).parallelogram_width;
   if (tilts_plate(source) || unit(source, limb.actuator) != Unit::rad) return 1.0;
-  return is_joint_zero(source) ? joint_ratio(limb) : angle_lever(limb);
+  return source.unit() ? angle_lever(limb) : joint_ratio(limb);
 }
 
 /// What a limb is to the plate, at two joint coordinates: ends and lengths of its rods, mm.
@@ -224,7 +233,8 @@ double as_joint_zero(const RobotDescription& robot, std::size_t limb, Source zer
   };
   const auto of_zero = change(zero), of_source = change(source);
   const double share = of_source.dot(of_zero) / of_zero.squaredNorm();
-  const bool alike = source != zero && (of_source - share * of_zero).norm() < kAlike * of_source.norm();
+  const bool alike =
+      source != zero && !is_harmonic(source) && (of_source - share * of_zero).norm() < kAlike * of_source.norm();
   return alike ? share : 0.0;
 }
 
@@ -275,6 +285,7 @@ double Robot::reach() const {
 }
 
 double largest_error(const Limbs& limbs, Source source) {
+  if (is_harmonic(source)) return kSteepestDrive * least_pitch(limbs) / (2.0 * std::numbers::pi);
   const Unit inside = unit(source, actuator_of(limbs));
   if (inside == Unit::rad) return std::numbers::pi;
   if (inside == Unit::mm_per_m) return kGainLength;

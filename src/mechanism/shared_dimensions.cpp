@@ -82,6 +82,8 @@ void add_differences(const LimbDescription& limb, const LimbDescription& alike, 
   differences(number, "gain") = limb.gain;
   differences(number, "alpha0") = limb.alpha0;
   differences(number, "beta0") = limb.beta0;
+  differences(number, "turn_sine") = limb.turn_sine;
+  differences(number, "turn_cosine") = limb.turn_cosine;
 }
 
 Limbs alike_limbs(const SharedDimensions& shared) {
@@ -89,15 +91,16 @@ Limbs alike_limbs(const SharedDimensions& shared) {
   for (const double azimuth : shared.limb_azimuth) {
     const Eigen::Matrix3d frame = detail::nominal_frame(azimuth);
     const bool swings = swings_arm(shared.actuator);
-    limbs.push_back({.base = shared.base_radius * frame.col(0),
-                     .plate = shared.plate_radius * frame.col(0),
-                     .length = shared.rod,
-                     .arm = shared.arm,
-                     .axis = frame.col(swings ? 2 : 1),
-                     .at_zero = frame.col(0),
-                     .kind = shared.actuator,
-                     .width = shared.parallelogram_width,
-                     .azimuth = azimuth});
+    const LimbDescription limb{.base = shared.base_radius * frame.col(0),
+                               .plate = shared.plate_radius * frame.col(0),
+                               .length = shared.rod,
+                               .arm = shared.arm,
+                               .axis = frame.col(swings ? 2 : 1),
+                               .at_zero = frame.col(0),
+                               .kind = shared.actuator,
+                               .width = shared.parallelogram_width,
+                               .azimuth = azimuth};
+    limbs.push_back(with_pitch(limb, shared.pitch));
   }
   return limbs;
 }
@@ -105,7 +108,7 @@ Limbs alike_limbs(const SharedDimensions& shared) {
 /// Other differences than those that the short form can state.
 bool is_like(const LimbDescription& limb, const LimbDescription& other) {
   constexpr double kAlike = 1e-9;  // mm
-  return limb.kind == other.kind && limb.width == other.width && !limb.behind &&
+  return limb.kind == other.kind && limb.pitch == other.pitch && limb.width == other.width && !limb.behind &&
          (limb.plate - other.plate).norm() < kAlike && (has(limb.kind, "arm_length") || limb.arm == other.arm);
 }
 
@@ -127,7 +130,8 @@ std::optional<SharedDimensions> shared_dimensions(const Limbs& limbs) {
                           .arm = most_common(limbs, std::mem_fn(&LimbDescription::arm)),
                           .rod = most_common(limbs, std::mem_fn(&LimbDescription::length)),
                           .parallelogram_width = limbs.front().width,
-                          .actuator = limbs.front().kind};
+                          .actuator = limbs.front().kind,
+                          .pitch = limbs.front().pitch};
   for (const LimbDescription& limb : limbs) shared.limb_azimuth.push_back(*limb.azimuth);
   const Limbs alike = alike_limbs(shared);
   if (!std::ranges::equal(limbs, alike, is_like)) return {};

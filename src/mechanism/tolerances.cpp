@@ -96,6 +96,12 @@ double generous_of_one_rod(Source source, Actuator kind) {
   }
 }
 
+/// An eccentric coupling or disk: a tenth of a mm or of a degree, but no more than a screw of a fine thread may wobble.
+double generous_of_turn(const LimbDescription& limb) {
+  constexpr double kOfPitch = 0.02;  // both together stay below kSteepestDrive
+  return std::min(joint_unit(limb.kind) == Unit::rad ? to_radians(0.1) : 0.1, kOfPitch * limb.pitch);
+}
+
 /// @param width  of the parallelogram, mm. The pitch of a toothed belt is to 0.5 mm/m, a rolled screw of class T10 to
 ///               0.7 mm/m.
 double generous_of_parallelogram(Source source, Actuator kind, double width) {
@@ -124,10 +130,12 @@ Tolerances generous_tolerances(const Limbs& limbs) {
   Tolerances tolerances;
   tolerances.origin.values.fill(Origin::exact);
   const double width = sizes_of(limbs).parallelogram_width;
-  for (const Actuator kind : kinds_of(limbs)) {
+  for (const LimbDescription& limb : limbs) {
+    const Actuator kind = limb.kind;
     for (const Source source : sources_of(kind)) {
-      const double half_width =
-          on_single_rods(kind) ? generous_of_one_rod(source, kind) : generous_of_parallelogram(source, kind, width);
+      const double half_width = is_harmonic(source)    ? generous_of_turn(limb)
+                                : on_single_rods(kind) ? generous_of_one_rod(source, kind)
+                                                       : generous_of_parallelogram(source, kind, width);
       tolerances[source] = std::max(tolerances[source], half_width);
       tolerances.origin[source] = Origin::generous;
     }

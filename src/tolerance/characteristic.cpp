@@ -27,21 +27,22 @@ std::string_view quantity_name(Quantity quantity) {
   return "";
 }
 
+/// Of a limb; harmonics follow.
 constexpr Eigen::Index kSources = ErrorModel::kPosition + ErrorModel::kTilt;
 constexpr Eigen::Index kPosition = ErrorModel::kPosition, kTilt = ErrorModel::kTilt;
 
 /// Derivative of (dr, ds) or of (eps_x, eps_y, eps_z), a column a source error in mm or rad.
 template <typename Columns, typename Position, typename Tilt>
 Columns all_columns(const Position* position, const Tilt& tilt, std::span<const Parameter> parameters) {
-  const Eigen::Index limbs = tilt.cols() / kTilt;
-  Columns columns = Columns::Zero(tilt.rows(), limbs * kSources);
+  const Eigen::Index limbs = tilt.cols() / kTilt, own = std::ssize(parameters) / limbs;
+  Columns columns = Columns::Zero(tilt.rows(), limbs * own);
   for (Eigen::Index limb = 0; limb < limbs; ++limb) {
-    for (Eigen::Index k = 0; k < kSources; ++k) {
-      auto column = columns.col(limb * kSources + k);
-      if (k >= kPosition) {
+    for (Eigen::Index k = 0; k < own; ++k) {
+      auto column = columns.col(limb * own + k);
+      if (k >= kPosition && k < kSources) {
         column = tilt.col(limb * kTilt + k - kPosition);
       } else if (position != nullptr) {
-        column = position->col(limb * kPosition + k);
+        column = position->col(limb * (own - kTilt) + (k < kPosition ? k : k - kTilt));
       }
       column *= parameters[static_cast<std::size_t>(k)].lever;
     }

@@ -93,8 +93,9 @@ const std::vector<FeatureOfLimbs>& features() {
 }
 
 DrawnFeature feature_of(Source source, const std::vector<Actuator>& kinds) {
+  const auto is_alike = [](Actuator one, Actuator other) { return one.drive == other.drive && one.rods == other.rods; };
   const auto found = std::ranges::find_if(features(), [&](const FeatureOfLimbs& one) {
-    return one.source == source && std::ranges::find_first_of(one.limbs, kinds) != one.limbs.end();
+    return one.source == source && std::ranges::find_first_of(one.limbs, kinds, is_alike) != one.limbs.end();
   });
   return found == features().end() ? nothing("no drawing shows it") : found->feature;
 }

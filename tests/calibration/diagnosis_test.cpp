@@ -290,8 +290,8 @@ World with_wrong_part(const Robot& robot, int number) {
   test::Random random(static_cast<std::uint64_t>(number));
   SourceErrors errors = errors_of(robot, number);
   const auto limb = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(robot.limb_count())));
-  const auto source =
-      sources_of(robot.actuator())[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(kMostSources)))];
+  const auto source = sources_of(robot.actuator())[static_cast<std::size_t>(
+      random.uniform(0.0, static_cast<double>(sources_of(robot.actuator()).size())))];
   errors(limb, source) = std::copysign(10.0 * (*robot.tolerances())[source], random.uniform(-1.0, 1.0));
   return measured(robot, errors, number);
 }

@@ -173,7 +173,7 @@ TEST(CalibrationFile, ErrorsReadBack) {
       EXPECT_NEAR(again.errors(limb, source), calibration.errors()(limb, source), 1e-15);
     }
   }
-  EXPECT_EQ(again.parameters.size(), 4 * kMostSources);
+  EXPECT_EQ(again.parameters.size(), 4 * sources_of(Actuator::revolute).size());
   EXPECT_LT((again.noise_covariance - calibration.noise_covariance).norm(), 1e-12 * calibration.covariance.norm());
   EXPECT_EQ(again.noise_dof, calibration.noise_dof);
   EXPECT_LT((again.covariance - calibration.covariance).norm(), 1e-12 * calibration.covariance.norm());
@@ -196,11 +196,11 @@ TEST(CalibrationFile, OneThatWasNotAcceptedIsRefused) {
 TEST(CalibrationFile, HoldsEverythingToRepeatTheFit) {
   const Json json = to_json(calibrate(catalogue::huang2016(), published_huang2016().rough), 0);
   EXPECT_EQ(json["date"], "1970-01-01T00:00:00Z");
-  EXPECT_EQ(json["parameters"].size(), 4 * kMostSources);
+  EXPECT_EQ(json["parameters"].size(), 4 * sources_of(Actuator::revolute).size());
   EXPECT_EQ(json["parameters"][0]["unit"], "deg");
   EXPECT_EQ(json["parameters"][0]["status"], "identified");
   EXPECT_EQ(json["parameters"][4]["status"], "prior");  // held at nominal, its tolerance counts
-  EXPECT_EQ(json["covariance"].size(), 4 * kMostSources);
+  EXPECT_EQ(json["covariance"].size(), 4 * sources_of(Actuator::revolute).size());
   const double std = json["parameters"][0]["std"];
   EXPECT_NEAR(std * std, json["covariance"][0][0].get<double>(), 1e-15);
   EXPECT_EQ(json["inputs"][0]["sha256"].get<std::string>().size(), 64u);

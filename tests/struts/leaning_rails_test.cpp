@@ -8,6 +8,7 @@
 
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/io/toml.hpp"
 #include "paracal/units.hpp"

@@ -12,6 +12,7 @@
 #include "kinematics/joint_gaps.hpp"
 #include "paracal/calibration/identification.hpp"
 #include "paracal/calibration/plan.hpp"
+#include "paracal/calibration/pose_selection.hpp"
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/calibration/simulation.hpp"
 #include "paracal/compensation/export.hpp"

@@ -16,7 +16,7 @@ std::string column_name(const Robot& robot, const Parameter& one) {
   if (!robot.is_level()) return plain;
   if (tilts_plate(one.source)) return one.unit == Unit::mm ? plain + "/c" : plain;
   if (one.unit != Unit::rad) return plain;
-  return (robot.actuator() == Actuator::linear ? "l*" : "L*") + plain;
+  return (runs_on_rail(robot.actuator()) ? "l*" : "L*") + plain;
 }
 
 template <typename Task>

@@ -30,7 +30,10 @@ extern template CompensatorParameters<double> compensator_parameters(const Robot
 extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors,
                                                                     const DriveCurves& drives);
 
-/// Covariance of identified errors for the compensator.
+/// @throws InvalidArgument where drives have harmonics: compensate() and compensate_path() hold them, exports do not.
+void require_no_harmonics(const CompensatorParameters<double>& parameters);
+
+/// Covariance of identified errors for the compensator; without those of harmonics.
 /// @param parameters  of the rows: any type with `limb` (from 0) and `source`, as in a Calibration.
 /// @param covariance  of these, mm and rad.
 template <typename Parameter>
@@ -38,10 +41,11 @@ CompensatorCovariance<double> compensator_covariance(const Robot& robot, const s
                                                      const Eigen::MatrixXd& covariance) {
   CompensatorCovariance<double> scaled{};
   const auto at = [&](const Parameter& one) {
-    return &robot.parameter(one.limb, one.source) - robot.parameters().data();
+    return kCompensatorErrors * one.limb + place_in(robot.nominal().limbs[one.limb].actuator, one.source);
   };
   for (std::size_t r = 0; r < parameters.size(); ++r) {
     for (std::size_t c = 0; c < parameters.size(); ++c) {
+      if (is_harmonic(parameters[r].source) || is_harmonic(parameters[c].source)) continue;
       scaled[at(parameters[r])][at(parameters[c])] =
           paper_scale(robot, parameters[r].source) * paper_scale(robot, parameters[c].source) *
           covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));

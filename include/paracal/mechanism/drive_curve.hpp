@@ -1,7 +1,7 @@
 #pragma once
 
-// The smooth error of a drive along its stroke. Needs only the standard library, as machine_closure.hpp. Real-time:
-// yes.
+// The errors of a drive along its stroke, smooth or with each turn. Needs only the standard library, as
+// machine_closure.hpp. Real-time: yes.
 
 #include <array>
 #include <cmath>
@@ -13,6 +13,41 @@ inline constexpr std::size_t kDriveKnots = 11;  ///< of each joint: eight interv
 inline constexpr int kMostDriveSteps = 20;  ///< of the search for a command: each leaves kSteepestDrive of its error
 inline constexpr double kNoDriveChange = 1e-12;  ///< rad or mm, at which it ends
 inline constexpr double kSteepestDrive = 0.2;    ///< error by way of a joint; of real drives it is a hundredth and less
+
+/// The joint to command so that it gets there: q with q + s(q) = actual, by s = s(actual - s) from s = 0 on.
+template <typename Scalar, typename Off>
+Scalar commanded_to(Scalar actual, Off&& off) noexcept {
+  Scalar s{}, change = Scalar(1);
+  for (int step = 0; step < kMostDriveSteps && std::abs(change) > static_cast<Scalar>(kNoDriveChange); ++step) {
+    const Scalar next = off(actual - s);
+    change = next - s;
+    s = next;
+  }
+  return actual - s;
+}
+
+/// What repeats with each turn of a screw or an encoder: s(q) = sine sin(w q) + cosine cos(w q); rad or mm.
+template <typename Scalar>
+struct TurnCurve {
+  Scalar turning = Scalar(0);  ///< w: of the screw or encoder by the joint, rad per rad or mm; 0: the drive is even
+  Scalar sine = Scalar(0), cosine = Scalar(0);
+
+  bool is_even() const noexcept { return !(turning > Scalar(0)); }
+
+  Scalar off(const Scalar& joint) const noexcept {
+    using std::cos, std::sin;
+    const Scalar angle = turning * joint;
+    return sine * sin(angle) + cosine * cos(angle);
+  }
+
+  /// Where the joint is when it is commanded there.
+  Scalar actual(const Scalar& joint) const noexcept { return is_even() ? joint : Scalar(joint + off(joint)); }
+
+  /// The joint to command so that it gets there.
+  Scalar commanded(const Scalar& actual) const noexcept {
+    return is_even() ? actual : commanded_to(actual, [this](const Scalar& joint) { return off(joint); });
+  }
+};
 
 /// A cubic B-spline at x spacings from its centre: 2/3 there, none beyond two spacings.
 template <typename Scalar>
@@ -36,38 +71,35 @@ Scalar cubic_bump_slope(Scalar x) noexcept {
 ///
 ///   s(q) = sum over k of sizes[k] B(|q - first - k spacing| / spacing)
 ///
-/// with B = cubic_bump; rad or mm.
+/// with B = cubic_bump, and, from there on, what repeats with each turn; rad or mm.
 template <typename Scalar>
 struct DriveCurve {
   Scalar first{};    ///< centre of the first spline
   Scalar spacing{};  ///< 0: the drive is even
   std::array<Scalar, kDriveKnots> sizes{};
+  TurnCurve<Scalar> turn{};
 
-  bool is_even() const noexcept { return !(spacing > Scalar(0)); }
+  bool is_even() const noexcept { return !has_splines() && turn.is_even(); }
 
+  /// Of the splines.
   Scalar off(Scalar joint) const noexcept {
-    return is_even() ? Scalar(0) : sum((joint - first) / spacing, cubic_bump<Scalar>);
+    return has_splines() ? sum((joint - first) / spacing, cubic_bump<Scalar>) : Scalar(0);
   }
 
-  /// ds/dq
+  /// Of the splines, ds/dq
   Scalar slope(Scalar joint) const noexcept {
-    return is_even() ? Scalar(0) : sum((joint - first) / spacing, cubic_bump_slope<Scalar>) / spacing;
+    return has_splines() ? sum((joint - first) / spacing, cubic_bump_slope<Scalar>) / spacing : Scalar(0);
   }
 
-  /// The joint to command so that it gets there: q with q + s(q) = actual, by s = s(actual - s) from s = 0 on.
+  /// The joint to command so that it gets there.
   Scalar commanded(Scalar actual) const noexcept {
-    if (is_even()) return actual;
-    const Scalar place = (actual - first) / spacing;
-    Scalar off{}, change = Scalar(1);
-    for (int step = 0; step < kMostDriveSteps && std::abs(change) > static_cast<Scalar>(kNoDriveChange); ++step) {
-      const Scalar next = sum(place - off / spacing, cubic_bump<Scalar>);
-      change = next - off;
-      off = next;
-    }
-    return actual - off;
+    const Scalar turned = turn.commanded(actual);
+    return has_splines() ? commanded_to(turned, [this](Scalar joint) { return off(joint); }) : turned;
   }
 
  private:
+  bool has_splines() const noexcept { return spacing > Scalar(0); }
+
   /// @param place  in spacings behind the first spline.
   template <typename Bump>
   Scalar sum(Scalar place, Bump bump) const noexcept {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "paracal/mechanism/drive_curve.hpp"
 #include "paracal/mechanism/limb_closure.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/mechanism/source_errors.hpp"
@@ -27,6 +28,7 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 ///                      limbs with one rod see frame_of()
 ///   arm       L_i      arm (proximal link) from B_i, or from the carriage, to the elbow C_i
 ///   joint_offset       added to the commanded joint coordinate, rad or mm
+///   turn               the joint is at q + turn.off(q) for q commanded, which all lines above mean
 ///   gain               mm of extension of a strut, or travel of a carriage, per mm of its joint coordinate
 ///   elbow_frame R_2,i  short side of the parallelogram at the elbow, relative to the arm
 ///   elbow_width c_c,i  its length
@@ -46,6 +48,7 @@ struct BasicLimb {
   Scalar arm;
   Scalar joint_offset;
   Scalar gain = Scalar(1);
+  TurnCurve<Scalar> turn = {};
   Matrix3<Scalar> elbow_frame;
   Scalar elbow_width;
   Vector3<Scalar> plate;
@@ -77,8 +80,9 @@ template <typename Scalar>
 ArmDirections<Scalar> arm_directions(const BasicLimb<Scalar>& limb, Scalar joint) {
   using std::cos, std::sin;
   if (!swings_arm(limb.actuator)) return {limb.frame.col(0), limb.frame.col(1)};
-  const Scalar c = cos(joint + limb.joint_offset);
-  const Scalar s = sin(joint + limb.joint_offset);
+  const Scalar angle = limb.turn.actual(joint) + limb.joint_offset;
+  const Scalar c = cos(angle);
+  const Scalar s = sin(angle);
   return {c * limb.frame.col(0) + s * limb.frame.col(1), c * limb.frame.col(1) - s * limb.frame.col(0)};
 }
 
@@ -87,9 +91,15 @@ template <typename Scalar>
 Vector3<Scalar> elbow_lever(const BasicLimb<Scalar>& limb, Scalar joint, const ArmDirections<Scalar>& direction) {
   if (limb.is_strut()) return Vector3<Scalar>::Zero();
   if (runs_on_rail(limb.actuator)) {
-    return (limb.gain * joint + limb.joint_offset) * direction.v1 - limb.arm * direction.u1;
+    return (limb.gain * limb.turn.actual(joint) + limb.joint_offset) * direction.v1 - limb.arm * direction.u1;
   }
   return limb.arm * direction.u1;
+}
+
+/// How far turn_sine and turn_cosine, as far as 1, move the drive: as its joint zero would by so much.
+inline std::array<double, 2> by_harmonics(const Limb& limb, double joint) {
+  const double angle = limb.turn.turning * joint;
+  return {limb.gain * std::sin(angle), limb.gain * std::cos(angle)};
 }
 
 /// mm that the elbow moves, or the strut grows, per rad or mm of the joint: L, or 1 where it is a length itself.
@@ -99,7 +109,7 @@ inline double joint_ratio(const Limb& limb) { return swings_arm(limb.actuator) ?
 template <typename Scalar>
 std::array<Scalar, 2> rods_at(const BasicLimb<Scalar>& limb, const Scalar& joint) {
   if (!limb.is_strut()) return limb.rod;
-  const Scalar length = limb.rod[0] + limb.gain * joint + limb.joint_offset;
+  const Scalar length = limb.rod[0] + limb.gain * limb.turn.actual(joint) + limb.joint_offset;
   return {length, length};
 }
 
@@ -135,12 +145,12 @@ struct JointSolution {
 inline JointSolution solution(double joint) noexcept { return {joint, std::isfinite(joint)}; }
 
 inline JointSolution arm_along(const Limb& limb, const ArmDirection<double>& direction) noexcept {
-  return solution(std::atan2(direction.sine, direction.cosine) - limb.joint_offset);
+  return solution(limb.turn.commanded(std::atan2(direction.sine, direction.cosine) - limb.joint_offset));
 }
 
 /// The joint coordinate of a drive with a gain that stands at a place, offset included.
 inline JointSolution driven_to(const Limb& limb, double place) noexcept {
-  return solution((place - limb.joint_offset) / limb.gain);
+  return solution(limb.turn.commanded((place - limb.joint_offset) / limb.gain));
 }
 
 /// Joint coordinate that puts the elbow one (mean) rod away from a point; a strut reaches any.

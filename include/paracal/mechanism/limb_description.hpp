@@ -31,6 +31,9 @@ struct LimbDescription {
   double gain = 0.0;    ///< excess travel of a linear drive, mm/m
   double alpha0 = 0.0;  ///< the limb leans in its frame by these angles, as by the errors of the same names
   double beta0 = 0.0;
+  /// Joint coordinate of a turn of the screw or the encoder, mm or rad, where kind.has_harmonics; else 0.
+  double pitch = 0.0;
+  double turn_sine = 0.0, turn_cosine = 0.0;  ///< of what repeats with each turn, as by the errors of the same names
 };
 using Limbs = std::vector<LimbDescription>;
 
@@ -43,6 +46,9 @@ struct LimbLength {
 /// The rod, the width of its parallelogram, and the arm.
 std::span<const LimbLength> lengths_of(Actuator kind);
 
+/// Key of LimbDescription::pitch in files.
+std::string_view pitch_key(Actuator kind);
+
 /// Directions of the drive, and their keys in files.
 struct LimbDirection {
   std::string_view key;
@@ -54,6 +60,9 @@ std::span<const LimbDirection> directions_of(Actuator kind);
 /// where it goes from there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from
 /// the z axis), along it, and w_0 = u_0 x v_0.
 Eigen::Matrix3d frame_of(const LimbDescription& limb);
+
+/// The same limb with harmonics, or without where the pitch is 0.
+LimbDescription with_pitch(LimbDescription limb, double pitch);
 
 /// "gamma": where the limb stands around z, from x towards y; that of its joint at the base where the file says none.
 double azimuth_of(const LimbDescription& limb);
@@ -94,6 +103,7 @@ struct SharedDimensions {
   double parallelogram_width = 0.0;       ///< short side of the parallelogram [c]
   std::vector<double> limb_azimuth = {};  ///< gamma_i, from x towards y
   Actuator actuator = Actuator::revolute;
+  double pitch = 0.0;             ///< see LimbDescription
   SourceErrors differences = {};  ///< of single limbs from that
 };
 

@@ -85,6 +85,9 @@ using Machine = BasicMachine<double>;
 ///   carriage:  l = l_1 + rod_length, C = b + normal u_0 + across w_0 + ((1 + gain) q + theta_offset) v_1 on a rail
 ///              along v_1 of R_0 = F Rot(x, alpha0) Rot(z, beta0).
 ///
+/// With harmonics q stands for where the joint is, q + turn_sine sin(2 pi q / pitch) + turn_cosine cos(2 pi q / pitch)
+/// for q commanded.
+///
 /// Instantiated for double; include machine_impl.hpp for other scalars.
 template <typename Scalar>
 BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceErrors<Scalar>& errors);

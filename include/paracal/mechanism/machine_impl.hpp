@@ -3,6 +3,7 @@
 // Definition of build() for scalars other than double, e.g. automatic derivatives.
 
 #include <cmath>
+#include <numbers>
 
 #include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/robot.hpp"
@@ -79,6 +80,10 @@ void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Sca
   limb.joint_offset = of.zero + error(joint_zero(nominal.of.kind));
   limb.arm = Scalar(of.arm);
   limb.frame = frame;
+  if (of.kind.has_harmonics) {
+    limb.turn = {Scalar(2.0 * std::numbers::pi / of.pitch), of.turn_sine + error("turn_sine"),
+                 of.turn_cosine + error("turn_cosine")};
+  }
   const auto alpha = [&] { return Scalar(of.alpha0 + error("alpha0")); };
   const auto beta = [&] { return Scalar(of.beta0 + error("beta0")); };
   if (swings_arm(nominal.of.kind)) {

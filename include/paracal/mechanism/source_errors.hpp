@@ -26,7 +26,7 @@ namespace detail {
 /// A name of geometric errors, in whatever limbs have one.
 struct NamedError {
   std::string_view name;
-  /// Empty of a joint zero, which has the unit of its joint coordinate.
+  /// Empty where it is the unit of the joint coordinate.
   std::optional<Unit> unit;
   ErrorGroup group = ErrorGroup::position;
   /// Which of a limb's 14 reserved random numbers draws it; empty: number_of() makes one from the name.
@@ -64,6 +64,9 @@ inline constexpr std::array kNamedErrors{
     NamedError{"plate_x", Unit::mm, ErrorGroup::position, 8},  // joint at the plate, in the plate frame
     NamedError{"plate_y", Unit::mm, ErrorGroup::position, 9},
     NamedError{"plate_z", Unit::mm, ErrorGroup::position, 10},
+    // Limbs whose file states the pitch of their screw or encoder: what repeats with each of its turns.
+    NamedError{"turn_sine", {}, ErrorGroup::position, {}},
+    NamedError{"turn_cosine", {}, ErrorGroup::position, {}},
 };
 
 constexpr auto every_source();
@@ -77,7 +80,7 @@ class Source {
 
   constexpr std::string_view name() const { return entry().name; }
   constexpr ErrorGroup group() const { return entry().group; }
-  /// Empty of a joint zero, which has the unit of its joint coordinate.
+  /// Empty where it is the unit of the joint coordinate.
   constexpr std::optional<Unit> unit() const { return entry().unit; }
   constexpr std::optional<std::uint64_t> reserved() const { return entry().reserved; }
   /// Place among all names.
@@ -107,20 +110,28 @@ constexpr auto every_source() {
 }
 inline constexpr std::array<Source, kSourceNames> kEverySource = every_source();
 
-/// The lists of each kind of limb, in column order; the joint zero comes first.
-inline constexpr std::array<Source, 14> kRevoluteSources{
-    "theta_offset",     "e_x",     "e_y",    "e_z",    "arm_length", "alpha0", "beta0", "rod_mean", "rod_difference",
-    "width_difference", "alpha03", "beta03", "alpha2", "beta2"};
-inline constexpr std::array<Source, 14> kLinearSources{
-    "theta_offset",     "e_x",     "e_y",    "e_z",    "gain", "alpha0", "beta0", "rod_mean", "rod_difference",
-    "width_difference", "alpha03", "beta03", "alpha2", "beta2"};
-inline constexpr std::array<Source, 8> kStrutSources{"zero", "base_x",  "base_y",  "base_z",
-                                                     "gain", "plate_x", "plate_y", "plate_z"};
-inline constexpr std::array<Source, 11> kCrankSources{"zero",       "base_x",  "base_y", "base_z",
-                                                      "arm_length", "alpha0",  "beta0",  "rod_length",
-                                                      "plate_x",    "plate_y", "plate_z"};
-inline constexpr std::array<Source, 10> kCarriageSources{"zero",  "normal",     "across",  "gain",    "alpha0",
-                                                         "beta0", "rod_length", "plate_x", "plate_y", "plate_z"};
+/// The list of a kind of limb, in column order, with what only limbs with harmonics have.
+template <std::size_t Count>
+consteval auto with_harmonics(const std::array<Source, Count>& own) {
+  return [&]<std::size_t... k>(std::index_sequence<k...>) {
+    return std::array<Source, Count + 2>{own[k]..., "turn_sine", "turn_cosine"};
+  }
+  (std::make_index_sequence<Count>());
+}
+
+/// The lists of each kind of limb; the joint zero comes first.
+inline constexpr auto kRevoluteSources =
+    with_harmonics<14>({"theta_offset", "e_x", "e_y", "e_z", "arm_length", "alpha0", "beta0", "rod_mean",
+                        "rod_difference", "width_difference", "alpha03", "beta03", "alpha2", "beta2"});
+inline constexpr auto kLinearSources =
+    with_harmonics<14>({"theta_offset", "e_x", "e_y", "e_z", "gain", "alpha0", "beta0", "rod_mean", "rod_difference",
+                        "width_difference", "alpha03", "beta03", "alpha2", "beta2"});
+inline constexpr auto kStrutSources =
+    with_harmonics<8>({"zero", "base_x", "base_y", "base_z", "gain", "plate_x", "plate_y", "plate_z"});
+inline constexpr auto kCrankSources = with_harmonics<11>({"zero", "base_x", "base_y", "base_z", "arm_length", "alpha0",
+                                                          "beta0", "rod_length", "plate_x", "plate_y", "plate_z"});
+inline constexpr auto kCarriageSources = with_harmonics<10>(
+    {"zero", "normal", "across", "gain", "alpha0", "beta0", "rod_length", "plate_x", "plate_y", "plate_z"});
 }  // namespace detail
 
 /// Every name, whichever limbs have it.
@@ -149,7 +160,8 @@ inline constexpr double kGainLength = 1000.0;
 /// The kind of a limb: what its joint moves, and how many rods hang on that.
 struct Actuator {
   Drive drive = Drive::strut;
-  std::uint8_t rods = 1;  ///< 1, or 2 of a parallelogram
+  std::uint8_t rods = 1;       ///< 1, or 2 of a parallelogram
+  bool has_harmonics = false;  ///< its file states a pitch (LimbDescription): turn_sine and turn_cosine are its errors
 
   friend constexpr bool operator==(const Actuator&, const Actuator&) = default;
   static const Actuator revolute, linear;        ///< an arm or a rail with a parallelogram
@@ -181,14 +193,16 @@ inline constexpr std::array<std::array<std::span<const Source>, 2>, 3> kSourcesO
 
 /// The source errors of a kind of limb, in column order. The first is its joint zero.
 constexpr std::span<const Source> sources_of(Actuator actuator) {
-  return detail::kSourcesOfKinds[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U];
+  const auto all = detail::kSourcesOfKinds[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U];
+  return actuator.has_harmonics ? all : all.first(all.size() - 2);
 }
 
 /// The most that a limb has.
-inline constexpr std::size_t kMostSources = 14;
+inline constexpr std::size_t kMostSources = 16;
 
 constexpr Source joint_zero(Actuator actuator) { return sources_of(actuator).front(); }
-constexpr bool is_joint_zero(Source source) { return !source.unit(); }
+constexpr bool is_joint_zero(Source source) { return source == "theta_offset" || source == "zero"; }
+constexpr bool is_harmonic(Source source) { return source == "turn_sine" || source == "turn_cosine"; }
 
 namespace detail {
 using Places = BySource<std::uint8_t>;
@@ -208,6 +222,7 @@ inline constexpr std::array<std::array<Places, 2>, 3> kPlaces = [] {
 
 /// Place of a source in the list of a kind of limb, from 0; kMostSources where that kind does not have it.
 constexpr std::size_t place_in(Actuator actuator, Source source) {
+  if (is_harmonic(source) && !actuator.has_harmonics) return kMostSources;
   return detail::kPlaces[static_cast<std::size_t>(actuator.drive)][actuator.rods - 1U][source];
 }
 
@@ -230,8 +245,8 @@ struct JointSpace {
   double reach = kLargestReach;         ///< mm; see Robot::reach()
 };
 
-/// Unit of the error inside the library: that of the joint coordinate of a joint zero. Files and JSON carry deg
-/// instead of rad.
+/// Unit of the error inside the library: that of the joint coordinate of a joint zero or a harmonic. Files and JSON
+/// carry deg instead of rad.
 constexpr Unit unit(Source source, Actuator actuator) { return source.unit().value_or(joint_unit(actuator)); }
 
 /// The source with that name; empty when that kind of limb has none.

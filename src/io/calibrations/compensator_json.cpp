@@ -4,6 +4,7 @@
 #include <array>
 
 #include "io/tables/names.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
@@ -61,6 +62,7 @@ Json to_json(const Robot& robot, const ExportOrigin& origin) {
 }
 
 Json to_json(const CompensatorParameters<double>& parameters) {
+  require_no_harmonics(parameters);
   const auto of_limbs = [&](const auto& values) { return std::span(values).first(parameters.limb_count); };
   Json json{{"tilts_plate", parameters.tilts_plate != 0},
             {"identified", json_array(of_limbs(parameters.identified), limb_json)},

@@ -62,6 +62,7 @@ Json to_json(const Robot& robot) {
                         {"parallelogram_width_mm", shared->parallelogram_width},
                         {"limb_azimuth_deg", json_array(shared->limb_azimuth, tidy_degrees)},
                         {"actuator", actuator_name(shared->actuator)}};
+    add_pitch(shared->actuator, shared->pitch, json["geometry"]);
   } else {
     if (!robot.freedoms().are_all()) json["plate"] = {{"freedoms", freedoms_json(robot.freedoms())}};
     json["limb"] = limbs_json(robot.limbs());

@@ -54,8 +54,9 @@ LimbDescription limb_of(Section& limb) {
   for (const LimbLength& length : lengths_of(kind)) one.*length.member = limb.number(length.key, plausible::kFinite);
   for (const LimbDirection& direction : directions_of(kind)) one.*direction.member = vector_of(limb, direction.key);
   if (runs_on_rail(kind)) one.behind = stands_behind(limb);
+  const double pitch = pitch_of(limb, kind);
   limb.refuse_others();
-  return one;
+  return with_pitch(one, pitch);
 }
 
 Json limb_json(const LimbDescription& limb) {
@@ -66,6 +67,7 @@ Json limb_json(const LimbDescription& limb) {
   for (const LimbLength& length : lengths_of(kind)) json[length.key] = limb.*length.member;
   for (const LimbDirection& direction : directions_of(kind)) json[direction.key] = json_array(limb.*direction.member);
   if (runs_on_rail(kind)) json["carriage"] = limb.behind ? kBehind : kAhead;
+  add_pitch(limb.kind, limb.pitch, json);
   return json;
 }
 
@@ -76,6 +78,14 @@ std::string toml_value(const Json& value) {
 }
 
 }  // namespace
+
+double pitch_of(Section& table, Actuator kind) {
+  return from_file_unit(joint_unit(kind), table.number_or(pitch_key(kind), 0.0, plausible::kFinite));
+}
+
+void add_pitch(Actuator kind, double pitch, Json& json) {
+  if (kind.has_harmonics) json[pitch_key(kind)] = joint_unit(kind) == Unit::rad ? tidy_degrees(pitch) : pitch;
+}
 
 bool define_limbs(const toml::table& document) {
   const toml::node* limbs = document.get("limb");  // of another type: it is what is wrong, not the missing geometry

@@ -18,6 +18,10 @@ bool define_limbs(const toml::table& document);
 /// @throws InputFileError for a kind that is none or another, and for missing, unknown or wrongly typed keys.
 void read_limbs(Section& root, RobotDescription& robot);
 
+/// Of a screw or an encoder (LimbDescription::pitch), in a [[limb]] table or the [geometry]; 0 where they state none.
+double pitch_of(Section& table, Actuator kind);
+void add_pitch(Actuator kind, double pitch, Json& json);
+
 std::string limbs_toml(const Limbs& limbs);
 Json limbs_json(const Limbs& limbs);
 /// ["x", "y"]

@@ -36,6 +36,7 @@ SharedDimensions shared_of(Section section) {
                                                               section.key_path("actuator"), actuator));
   }
   shared.actuator = actuator == "linear" ? Actuator::linear : Actuator::revolute;
+  shared.pitch = pitch_of(section, shared.actuator);
   section.refuse_others();
   return shared;
 }
@@ -273,11 +274,15 @@ std::string toml_quoted(const std::string& text) {
 std::string shared_toml(const SharedDimensions& shared) {
   std::vector<double> azimuth;
   for (const double angle : shared.limb_azimuth) azimuth.push_back(tidy_degrees(angle));
-  return fmt::format(
+  Json pitch = Json::object();
+  add_pitch(shared.actuator, shared.pitch, pitch);
+  std::string text = fmt::format(
       "\n[geometry]\nbase_radius_mm = {}\nplate_radius_mm = {}\narm_mm = {}\nrod_mm = {}\n"
       "parallelogram_width_mm = {}\nlimb_azimuth_deg = {}\nactuator = \"{}\"\n",
       shared.base_radius, shared.plate_radius, shared.arm, shared.rod, shared.parallelogram_width, array(azimuth),
       actuator_name(shared.actuator));
+  for (const auto& [key, value] : pitch.items()) text += fmt::format("{} = {}\n", key, value.get<double>());
+  return text;
 }
 
 std::string plate_toml(const Robot& robot) {
