@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "export_text.hpp"
+#include "paracal/compensation/parameters.hpp"
 #include "paracal/units.hpp"
 #include "variants.hpp"
 
@@ -167,7 +168,7 @@ void add_search(const ExportedMachine& exported, Values& values) {
 
 /// What machines with uneven drives need on top.
 void add_drives(const ExportedMachine& exported, Values& values) {
-  const bool is_uneven = !exported.drives.are_even();
+  const bool is_uneven = !exported.is_even();
   values.emplace_back("COMMAND", is_uneven ? "  paracal_command(numbers->exact, found);\n" : "");
   values.emplace_back("COMMAND_RATES", is_uneven ? "  paracal_command_rates(numbers->exact, joints, found);\n" : "");
   if (!is_uneven) {
@@ -180,6 +181,8 @@ void add_drives(const ExportedMachine& exported, Values& values) {
   own.emplace_back("REAL", is_single ? "float" : "double");
   own.emplace_back("NARROWED", is_single ? "(float)" : "");
   own.emplace_back("WIDENED", is_single ? "(double)" : "");
+  own.emplace_back("SINE", language.functions().sine);
+  own.emplace_back("COSINE", language.functions().cosine);
   constexpr std::array<std::pair<std::string_view, double>, 7> kNumbers{{{"ZERO", 0.0},
                                                                          {"HALF", 0.5},
                                                                          {"ONE", 1.0},
@@ -278,7 +281,8 @@ std::string c99_of(const Robot& robot, const ExportedMachine& exported, const Ex
 }  // namespace
 
 ExportedSet exported_set(const Robot& robot, const SourceErrors& errors, const DriveCurves& drives) {
-  ParameterSet set = parameter_set(record(built_for_export(robot, errors)), robot.nominal(), drives);
+  const CommandCurves curves = compensator_parameters(robot, errors, drives).drives;
+  ParameterSet set = parameter_set(record(built_for_export(robot, errors)), robot.nominal(), curves);
   ExportedSet exported{std::move(set.names), std::move(set.numbers)};
   exported.set.insert(exported.set.end(), {set.layout, set.sum});
   return exported;

@@ -119,7 +119,7 @@ std::string method_without_drives(const ExportedMachine& exported) {
 }
 
 std::string method_in_words(const ExportedMachine& exported) {
-  return method_without_drives(exported) + (exported.drives.are_even() ? "" : "; uneven drives included");
+  return method_without_drives(exported) + (exported.is_even() ? "" : "; uneven drives included");
 }
 
 /// What one compensation computes, as a sentence.
@@ -128,7 +128,7 @@ std::string operations(const ExportedMachine& exported) {
   OperationCount count;
   add(count, recorded.closed, recorded, 1);
   const std::string_view functions = "sines, cosines and arctangents";
-  const std::string drives = exported.drives.are_even()
+  const std::string drives = exported.is_even()
                                  ? ""
                                  : fmt::format("; uneven drives: about 3 steps a joint, at most {}, of {} cubics each",
                                                kMostDriveSteps, kDriveKnots);
@@ -187,6 +187,7 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
   values.emplace_back("LAYOUT", decimal(exported.set.layout));
   values.emplace_back("DRIVES_AT", std::to_string(exported.drives_at()));
   values.emplace_back("KNOTS", std::to_string(kDriveKnots));
+  values.emplace_back("DRIVE", std::to_string(kCurveNumbers));
   values.emplace_back("MOST_DRIVE_STEPS", std::to_string(kMostDriveSteps));
   values.emplace_back("STEEPEST", decimal(kSteepestDrive));
   values.emplace_back("TESTS", std::to_string(exported.cases.size()));
@@ -199,13 +200,13 @@ void add_head(const Robot& robot, const ExportedMachine& exported, Values& value
 }
 
 ExportedMachine::ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
-                                 DriveCurves uneven)
+                                 const DriveCurves& drives)
     : machine(built_for_export(robot, errors)),
       variant(origin.variant),
-      drives(std::move(uneven)),
+      curves(compensator_parameters(robot, errors, drives).drives),
       cases(self_test(robot, machine, drives)),
       recorded(record(machine)),
-      set(parameter_set(recorded, robot.nominal(), drives)),
+      set(parameter_set(recorded, robot.nominal(), curves)),
       places(commanded_coordinates(machine)),
       worst(variant_error(robot, machine, variant)) {}
 

@@ -27,7 +27,7 @@ Values head(const Robot& robot, const ExportOrigin& origin);
 struct ExportedMachine {
   Machine machine;
   ExportVariant variant;
-  DriveCurves drives;
+  CommandCurves curves;
   std::vector<SelfTestCase> cases;
   RecordedMachine recorded;
   ParameterSet set;
@@ -35,9 +35,11 @@ struct ExportedMachine {
   double worst;                     ///< error of the variant over the workspace, mm
 
   /// @throws InvalidArgument unless has_compensator(); Unreachable when the centre of the workspace is out of reach.
-  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin, DriveCurves uneven);
+  ExportedMachine(const Robot& robot, const SourceErrors& errors, const ExportOrigin& origin,
+                  const DriveCurves& drives);
 
   bool searches() const { return recorded.state_size > 0; }
+  bool is_even() const { return are_even(curves); }
   /// Where the curves of uneven drives begin among the numbers.
   std::size_t drives_at() const { return recorded.numbers.size(); }
 };

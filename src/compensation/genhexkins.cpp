@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "export_text.hpp"
-#include "paracal/compensation/parameters.hpp"
 #include "paracal/error.hpp"
 
 namespace paracal {
@@ -41,11 +40,17 @@ std::string genhexkins(const Robot& robot, const SourceErrors& errors, const Exp
     throw InvalidArgument(fmt::format("genhexkins: expected a plate on six struts, got {}", robot.name()));
   }
   const Machine machine = build(robot, errors);
-  require_no_harmonics(compensator_parameters(robot, errors));
-  require_no_harmonics(compensator_parameters(robot, errors));
   std::string base, platform, lengths, drives;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& strut = machine.limbs[i];
+    if (strut.turn.sine != 0.0 || strut.turn.cosine != 0.0) {
+      throw InvalidArgument(fmt::format(
+          "genhexkins: expected struts without errors of each turn, got turn_sine and turn_cosine of limb {}: "
+          "LinuxCNC's "
+          "own kinematics have no place for them. Use --target linuxcnc, which does, or calibrate with --fix "
+          "turn_sine,turn_cosine",
+          i + 1));
+    }
     const double length = rods_at(strut, 0.0)[0], growth = strut.gain;
     base += coordinates("base", i, strut.base);
     platform += coordinates("platform", i, strut.plate);

@@ -82,19 +82,6 @@ template CompensationStatus compensate(const CompensatorParameters<double>& para
                                        const CompensatorPose<double>& pose, CompensatorJoints<double>& joints,
                                        CompensatorTilt<double>* tilt) noexcept;
 
-void require_no_harmonics(const CompensatorParameters<double>& parameters) {
-  for (std::size_t i = 0; i < parameters.limb_count; ++i) {
-    const TurnCurve<double>& turn = parameters.drives[i].turn;
-    if (turn.is_even() || (turn.sine == 0.0 && turn.cosine == 0.0)) continue;
-    throw InvalidArgument(
-        fmt::format("export: expected drives without harmonics, got turn_sine and turn_cosine of limb {}: code for "
-                    "controllers does "
-                    "not hold them. Use paracal compensate or --target gcode or csv, which do, or calibrate with --fix "
-                    "turn_sine,turn_cosine",
-                    i + 1));
-  }
-}
-
 Joints compensated_joints(const Robot& robot, const CompensatorJoints<double>& joints) {
   Joints vector(static_cast<Eigen::Index>(robot.limb_count()));
   for (std::size_t i = 0; i < robot.limb_count(); ++i) vector(static_cast<Eigen::Index>(i)) = joints[i];

@@ -170,7 +170,7 @@ class Writer {
   }
 
   bool searches() const { return exported_.searches(); }
-  bool is_uneven() const { return !exported_.drives.are_even(); }
+  bool is_uneven() const { return !exported_.is_even(); }
 
   void add_coordinates() {
     add("INPUT_WORDS", for_each_input(inputs_, "{1}", ", "));
@@ -207,7 +207,8 @@ class Writer {
         "  place : LREAL := 0.0;\n",
         limbs_ - 1, zeros(limbs_));
     Values own = values_;
-    own.emplace_back("DRIVE", std::to_string(kDriveKnots + 2));
+    own.emplace_back("TURN_AT", std::to_string(exported_.drives_at() + kDriveKnots + 2));
+    own.emplace_back("DRIVE", std::to_string(kCurveNumbers));
     own.emplace_back("LAST_KNOT", std::to_string(kDriveKnots - 1));
     own.emplace_back("GET_COMMANDED", for_each_joint("  commanded[{0}] := inverse.{1};\n"));
     const std::array<std::string, kKeys.size()> texts{
@@ -216,7 +217,8 @@ class Writer {
         for_each_joint(searches() ? "  commanded[{0}] := joints[{0}] + state[3 + {0}];\n"
                                   : "  commanded[{0}] := joints[{0}];\n") +
             filled_template("drives.st", own),
-        locals + "  inverse : paracal_compensator;\n  way : LREAL := 1.0;\n", filled_template("drive_rates.st", own)};
+        locals + "  inverse : paracal_compensator;\n  way : LREAL := 1.0;\n  turned : LREAL := 0.0;\n",
+        filled_template("drive_rates.st", own)};
     for (std::size_t k = 0; k < kKeys.size(); ++k) add(kKeys.at(k), texts.at(k));
   }
 

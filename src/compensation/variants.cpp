@@ -53,6 +53,12 @@ bool vary(const Machine& machine, const Pose& pose, ExportVariant variant, Joint
                   : move_joints<4, float>(machine, pose, steps, joints);
 }
 
+/// Errors of each turn are undone exactly after the closure, which is what varies.
+Machine with_even_turns(Machine machine) {
+  for (Limb& limb : machine.limbs) limb.turn = {};
+  return machine;
+}
+
 /// Anywhere in the workspace, or on its rims with the ends of all angles, where errors are largest.
 Pose somewhere(const Workspace& workspace, RandomStream& random, bool on_rim) {
   const auto end = [&] { return on_rim ? std::round(random.uniform()) : random.uniform(); };
@@ -71,7 +77,8 @@ int usual_steps(ExportVariant variant) {
   return variant == ExportVariant::one_step ? 1 : kSingleSteps;
 }
 
-double variant_error(const Robot& robot, const Machine& machine, ExportVariant variant) {
+double variant_error(const Robot& robot, const Machine& built, ExportVariant variant) {
+  const Machine machine = with_even_turns(built);
   RandomStream random(1);
   double worst = 0.0;
   for (int count = 0; count < kVariantPoses; ++count) {
@@ -121,7 +128,8 @@ double rate_error_at(const Machine& machine, const Pose& pose) {
 
 }  // namespace
 
-double rate_error(const Robot& robot, const Machine& machine) {
+double rate_error(const Robot& robot, const Machine& built) {
+  const Machine machine = with_even_turns(built);
   if (!machine.tilts_plate) return 0.0;
   RandomStream random(2);
   double worst = 0.0;
@@ -135,7 +143,7 @@ double rate_error(const Robot& robot, const Machine& machine) {
 }
 
 Machine built_for_export(const Robot& robot, const SourceErrors& errors) {
-  require_no_harmonics(compensator_parameters(robot, errors));  // which refuses what has none
+  (void)compensator_parameters(robot, errors);  // refuses what has none
   return build(robot, errors);
 }
 
@@ -154,13 +162,20 @@ void add_drive(const DriveCurve<double>& curve, std::size_t limb, ParameterSet& 
     set.numbers.push_back(no_zero(number));
   };
   add("first", curve.first);
-  add("spacing", curve.is_even() ? 1.0 : curve.spacing);
+  add("spacing", curve.spacing > 0.0 ? curve.spacing : 1.0);
   for (std::size_t k = 0; k < curve.sizes.size(); ++k) add(fmt::format("size {}", k + 1), curve.sizes.at(k));
+  add("turning", curve.turn.turning);
+  add("turn sine", curve.turn.sine);
+  add("turn cosine", curve.turn.cosine);
 }
 
 }  // namespace
 
-ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const DriveCurves& drives) {
+bool are_even(const CommandCurves& curves) {
+  return std::ranges::all_of(curves, [](const DriveCurve<double>& one) { return one.is_even(); });
+}
+
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const CommandCurves& curves) {
   ParameterSet set{{}, {}, 0.0, 0.0};
   std::uint32_t hash = 2166136261U;  // FNV-1a
   const auto add = [&hash](const std::string& text) {
@@ -179,7 +194,7 @@ ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nomin
     set.names.push_back(std::move(name));
     set.numbers.push_back(symbol.value);
   }
-  for (std::size_t i = 0; !drives.are_even() && i < nominal.limb_count; ++i) add_drive(drives.of(i), i, set);
+  for (std::size_t i = 0; !are_even(curves) && i < nominal.limb_count; ++i) add_drive(curves.at(i), i, set);
   std::ranges::for_each(set.names, add);
   if (recorded.state_size > 0) hash ^= 1U;
   set.layout = static_cast<double>(hash % 1'000'000U);

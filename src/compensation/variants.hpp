@@ -36,7 +36,13 @@ struct ParameterSet {
   std::vector<double> numbers;
   double layout, sum;
 };
-/// @param drives  whose curves stand behind the numbers of the limbs where one is uneven: first, spacing, sizes.
-ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const DriveCurves& drives);
+/// What joints are commanded by after the closure, for each limb.
+using CommandCurves = std::array<DriveCurve<double>, kMaxLimbs>;
+bool are_even(const CommandCurves& curves);
+/// How many numbers of a curve an export has: first, spacing, sizes; turning, sine, cosine.
+inline constexpr std::size_t kCurveNumbers = kDriveKnots + 5;
+
+/// @param curves  which stand behind the numbers of the limbs where one is uneven.
+ParameterSet parameter_set(const RecordedMachine& recorded, const Machine& nominal, const CommandCurves& curves);
 
 }  // namespace paracal::compensation_detail

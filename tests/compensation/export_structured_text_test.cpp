@@ -102,7 +102,7 @@ TEST_P(StructuredTextLaw, FindsTheWayBack) {
   EXPECT_EQ(give_joints({std::nan(""), 0.0, 0.0, 0.0}), 2);
   EXPECT_EQ(forward.get("x_mm"), last);
   if (!robot.is_level()) return;
-  const double far = robot.actuator() == Actuator::linear ? 5000.0 : 3.0;
+  const double far = runs_on_rail(robot.actuator()) ? 5000.0 : 3.0;
   EXPECT_NE(give_joints({far, -far, far, -far}), 0);
   EXPECT_EQ(forward.get("x_mm"), last);
 }

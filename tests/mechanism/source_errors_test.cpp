@@ -28,7 +28,8 @@ TEST(Source, LengthsAreMmAndAnglesRad) {
     const Unit expected = angle ? Unit::rad : Unit::mm;
     EXPECT_EQ(unit(source, Actuator::linear), source == "gain" ? Unit::mm_per_m : expected) << text;
     if (source != "gain") {
-      EXPECT_EQ(unit(source, Actuator::revolute), is_joint_zero(source) ? Unit::rad : expected) << text;
+      EXPECT_EQ(unit(source, Actuator::revolute), is_joint_zero(source) || is_harmonic(source) ? Unit::rad : expected)
+          << text;
     }
   }
 }
@@ -77,7 +78,7 @@ TEST(Source, TiltGroupIsTheLastSix) {
 /// Seeds keep their machines: today's names keep their numbers, and a new name disturbs none of them.
 TEST(Source, EachKindOfLimbDrawsEveryErrorByANumberOfItsOwn) {
   for (const Actuator kind :
-       {Actuator::revolute, Actuator::linear, Actuator::strut, Actuator::crank, Actuator::carriage}) {
+       {Actuator::revolute, Actuator::linear, Actuator::strut, Actuator::crank, Actuator{Drive::rail, 1, true}}) {
     std::set<std::uint64_t> numbers;
     for (const Source source : sources_of(kind)) numbers.insert(number_of(3, source));
     EXPECT_EQ(numbers.size(), sources_of(kind).size());

@@ -39,6 +39,8 @@ export interface Geometry {
   parallelogram_width_mm: number;
   limb_azimuth_deg: number[];
   actuator: "revolute" | "linear";
+  pitch_mm?: number;
+  pitch_deg?: number;
 }
 export interface Plate {
   slide_axis?: Vector;
@@ -72,6 +74,7 @@ export interface Strut {
   base_joint_mm: Vector;
   plate_joint_mm: Vector;
   length_at_zero_mm: number;
+  pitch_mm?: number;
 }
 export interface SingleRodOnAnArm {
   kind: "arm";
@@ -82,6 +85,7 @@ export interface SingleRodOnAnArm {
   arm_mm: number;
   axis: Vector;
   arm_at_zero: Vector;
+  pitch_deg?: number;
 }
 export interface SingleRodOnARail {
   kind: "rail";
@@ -91,6 +95,7 @@ export interface SingleRodOnARail {
   parallelogram_width_mm?: number;
   direction: Vector;
   carriage: "ahead" | "behind";
+  pitch_mm?: number;
 }
 export interface IntendedLimb {
   [k: string]: number | Vector;

@@ -30,9 +30,6 @@ extern template CompensatorParameters<double> compensator_parameters(const Robot
 extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors,
                                                                     const DriveCurves& drives);
 
-/// @throws InvalidArgument where drives have harmonics: compensate() and compensate_path() hold them, exports do not.
-void require_no_harmonics(const CompensatorParameters<double>& parameters);
-
 /// Covariance of identified errors for the compensator; without those of harmonics.
 /// @param parameters  of the rows: any type with `limb` (from 0) and `source`, as in a Calibration.
 /// @param covariance  of these, mm and rad.

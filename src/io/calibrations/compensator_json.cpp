@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "io/tables/names.hpp"
-#include "paracal/compensation/parameters.hpp"
 #include "paracal/io/json.hpp"
 #include "paracal/units.hpp"
 #include "paracal/version.hpp"
@@ -37,9 +37,14 @@ Json limb_json(const ClosureLimb<double>& limb) {
 
 Json drive_json(const DriveCurve<double>& drive, Unit unit) {
   const auto in_unit = [&](double number) { return to_file_unit(unit, number); };
-  return {{fmt::format("first_{}", file_unit(unit)), in_unit(drive.first)},
-          {fmt::format("spacing_{}", file_unit(unit)), in_unit(drive.spacing)},
-          {fmt::format("sizes_{}", file_unit(unit)), json_array(drive.sizes, in_unit)}};
+  Json json{{fmt::format("first_{}", file_unit(unit)), in_unit(drive.first)},
+            {fmt::format("spacing_{}", file_unit(unit)), in_unit(drive.spacing)},
+            {fmt::format("sizes_{}", file_unit(unit)), json_array(drive.sizes, in_unit)}};
+  if (drive.turn.is_even()) return json;
+  json[fmt::format("pitch_{}", file_unit(unit))] = in_unit(2.0 * std::numbers::pi / drive.turn.turning);
+  json[fmt::format("turn_sine_{}", file_unit(unit))] = in_unit(drive.turn.sine);
+  json[fmt::format("turn_cosine_{}", file_unit(unit))] = in_unit(drive.turn.cosine);
+  return json;
 }
 
 /// Of each limb, where one is uneven.
@@ -62,7 +67,6 @@ Json to_json(const Robot& robot, const ExportOrigin& origin) {
 }
 
 Json to_json(const CompensatorParameters<double>& parameters) {
-  require_no_harmonics(parameters);
   const auto of_limbs = [&](const auto& values) { return std::span(values).first(parameters.limb_count); };
   Json json{{"tilts_plate", parameters.tilts_plate != 0},
             {"identified", json_array(of_limbs(parameters.identified), limb_json)},
