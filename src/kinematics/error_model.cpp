@@ -81,16 +81,15 @@ void solve(const Machine& machine, ErrorModel& model) {
   }
   const Eigen::Matrix<double, 3, N> A_ee_pseudo_inverse = normal_inverse * A_ee.transpose();
   const Eigen::Matrix<double, N, N> tilt_to_delta = -A_dd_inverse * A_de * A_ee_pseudo_inverse;
-  const bool has_harmonics = machine.actuator().has_harmonics;
-  const int per_limb = ErrorModel::kPosition + (has_harmonics ? 2 : 0);
-  model.G_dd.resize(N, N * per_limb);
+  model.G_dd.resize(N, static_cast<Eigen::Index>(machine.parameter_count()) - N * ErrorModel::kTilt);
   model.G_de.resize(N, N * ErrorModel::kTilt);
   model.G_ee.resize(3, N * ErrorModel::kTilt);
   for (int i = 0; i < N; ++i) {
-    model.G_dd.template middleCols<ErrorModel::kPosition>(i * per_limb) = A_dd_inverse.col(i) * model.B_d.row(i);
-    for (int k = 0; has_harmonics && k < 2; ++k) {
+    const Eigen::Index first = machine.first_parameter[i] - i * ErrorModel::kTilt;
+    model.G_dd.template middleCols<ErrorModel::kPosition>(first) = A_dd_inverse.col(i) * model.B_d.row(i);
+    for (int k = 0; machine.limbs[i].actuator.has_harmonics && k < 2; ++k) {
       const std::array<double, 2> by = by_harmonics(machine.limbs[i], model.joints(i));
-      model.G_dd.col(i * per_limb + ErrorModel::kPosition + k) = by[k] * model.G_dd.col(i * per_limb);
+      model.G_dd.col(first + ErrorModel::kPosition + k) = by[k] * model.G_dd.col(first);
     }
     model.G_de.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) = tilt_to_delta.col(i) * model.B_e.row(i);
     model.G_ee.template middleCols<ErrorModel::kTilt>(i * ErrorModel::kTilt) =

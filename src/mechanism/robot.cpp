@@ -196,7 +196,8 @@ double angle_lever(const Limb& limb) { return runs_on_rail(limb.actuator) ? limb
 
 /// See Parameter: limbs of one kind all count by the first.
 double lever_of(const Limbs& limbs, const Machine& nominal, std::size_t number, Source source) {
-  const Limb& limb = nominal.limbs[nominal.limbs[number].actuator == nominal.actuator() ? 0 : number];
+  const Actuator kind = nominal.limbs[number].actuator, first = nominal.actuator();
+  const Limb& limb = nominal.limbs[kind.drive == first.drive && kind.rods == first.rods ? 0 : number];
   if (tilts_plate(source) && unit(source, limb.actuator) == Unit::mm) return 1.0 / sizes_of(limbs).parallelogram_width;
   if (tilts_plate(source) || unit(source, limb.actuator) != Unit::rad) return 1.0;
   return source.unit() ? angle_lever(limb) : joint_ratio(limb);

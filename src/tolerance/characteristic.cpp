@@ -34,18 +34,19 @@ constexpr Eigen::Index kPosition = ErrorModel::kPosition, kTilt = ErrorModel::kT
 /// Derivative of (dr, ds) or of (eps_x, eps_y, eps_z), a column a source error in mm or rad.
 template <typename Columns, typename Position, typename Tilt>
 Columns all_columns(const Position* position, const Tilt& tilt, std::span<const Parameter> parameters) {
-  const Eigen::Index limbs = tilt.cols() / kTilt, own = std::ssize(parameters) / limbs;
-  Columns columns = Columns::Zero(tilt.rows(), limbs * own);
-  for (Eigen::Index limb = 0; limb < limbs; ++limb) {
-    for (Eigen::Index k = 0; k < own; ++k) {
-      auto column = columns.col(limb * own + k);
-      if (k >= kPosition && k < kSources) {
-        column = tilt.col(limb * kTilt + k - kPosition);
-      } else if (position != nullptr) {
-        column = position->col(limb * (own - kTilt) + (k < kPosition ? k : k - kTilt));
-      }
-      column *= parameters[static_cast<std::size_t>(k)].lever;
+  Columns columns = Columns::Zero(tilt.rows(), std::ssize(parameters));
+  Eigen::Index first = 0;  // of a limb
+  for (Eigen::Index at = 0; at < columns.cols(); ++at) {
+    const Parameter& one = parameters[static_cast<std::size_t>(at)];
+    if (is_joint_zero(one.source)) first = at;
+    const auto limb = static_cast<Eigen::Index>(one.limb);
+    const Eigen::Index k = at - first;
+    if (k >= kPosition && k < kSources) {
+      columns.col(at) = tilt.col(limb * kTilt + k - kPosition);
+    } else if (position != nullptr) {
+      columns.col(at) = position->col(at - (limb + (k < kPosition ? 0 : 1)) * kTilt);
     }
+    columns.col(at) *= one.lever;
   }
   return columns;
 }

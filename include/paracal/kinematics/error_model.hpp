@@ -43,7 +43,7 @@ struct [[nodiscard]] ErrorModel {
   PerFreedom<3> A_de, A_ee;                       ///< N x 3, mm and 1
   PerFreedom<kPosition> B_d;                      ///< N x 8, one row a limb
   PerFreedom<kTilt> B_e;                          ///< N x 6, one row a limb
-  PerFreedomAndSource<kPosition + 2> G_dd;        ///< N x 8N; N x 10N with harmonics, which follow those 8
+  PerFreedomAndSource<kPosition + 2> G_dd;        ///< N x 8N; those of a limb's harmonics follow its 8
   PerFreedomAndSource<kTilt> G_de;                ///< N x 6N, mm per rad
   PerTiltAndSource<kTilt> G_ee;                   ///< 3 x 6N
   double condition_dd = 0.0, condition_ee = 0.0;  ///< reciprocal conditions of A_dd and A_ee^T A_ee
