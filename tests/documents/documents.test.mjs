@@ -37,6 +37,22 @@ test("headings have the anchors of a git host", () => {
   assert.deepEqual(headings("# What is `a_b`, in mm?\n## Twice\n## Twice\n").map(({ slug }) => slug), ["what-is-a_b-in-mm", "twice", "twice-1"]);
 });
 
+const filesBelow = (folder) =>
+  readdirSync(join(root, folder), { withFileTypes: true }).flatMap((entry) => {
+    const path = join(folder, entry.name);
+    return entry.isDirectory() ? filesBelow(path) : /\.(?:[ch]pp|ts|m?js|py|sh|txt|cmake|json|h|st|comp)$/.test(path) ? [path] : [];
+  });
+
+test("recipes and design name what exists", () => {
+  const folders = ["apps", "cmake", "include", "live", "python", "schema", "src", "tests", "tools", "web/src"];
+  const words = new Set(folders.flatMap(filesBelow).flatMap((path) => `${path} ${read(path)}`.match(/\w+/g)));
+  for (const document of ["CONTRIBUTING.md", "docs/design.md"]) {
+    const names = [...read(document).matchAll(/`([A-Za-z_][\w:]{3,})(?:\(\))?`/g)].map(([, name]) => name.split("::").at(-1));
+    assert.ok(names.length > 30);
+    assert.deepEqual(names.filter((name) => !words.has(name)), [], document);
+  }
+});
+
 const found = (path, pattern) => read(path).match(pattern)?.[1];
 const version = found("CMakeLists.txt", /^project\(paracal VERSION (\S+) /m);
 
