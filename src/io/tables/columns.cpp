@@ -11,35 +11,35 @@
 
 namespace paracal::io {
 
-const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator) {
+const std::array<std::string_view, kMaxLimbs>& joint_names(Unit unit) {
   static constexpr std::array<std::string_view, kMaxLimbs> kAngles{"q1_deg", "q2_deg", "q3_deg", "q4_deg",
                                                                    "q5_deg", "q6_deg", "q7_deg", "q8_deg"};
   static constexpr std::array<std::string_view, kMaxLimbs> kLengths{"q1_mm", "q2_mm", "q3_mm", "q4_mm",
                                                                     "q5_mm", "q6_mm", "q7_mm", "q8_mm"};
-  return joint_unit(actuator) == Unit::mm ? kLengths : kAngles;
+  return unit == Unit::mm ? kLengths : kAngles;
 }
 
 std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, const JointSpace& joints) {
-  const auto add = [&](Actuator actuator, std::size_t count) {
-    const auto& names = joint_names(actuator);
+  const auto add = [&](Unit unit, std::size_t count) {
+    const auto& names = joint_names(unit);
     columns.insert(columns.end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count));
   };
   if (joints.count > 0) {
-    add(joints.actuator, std::min(joints.count, std::size_t{kMaxLimbs}));
+    add(joint_unit(joints.actuator), std::min(joints.count, std::size_t{kMaxLimbs}));
   } else {
-    add(Actuator::revolute, kMaxLimbs);
-    add(Actuator::linear, kMaxLimbs);
+    add(Unit::rad, kMaxLimbs);
+    add(Unit::mm, kMaxLimbs);
   }
   return columns;
 }
 
 JointSpace joint_columns(const CsvTable& table, const JointSpace& joints) {
-  const auto present = [&](Actuator actuator) {
+  const auto present = [&](Unit unit) {
     return static_cast<std::size_t>(
-        std::ranges::count_if(joint_names(actuator), [&](std::string_view column) { return table.has(column); }));
+        std::ranges::count_if(joint_names(unit), [&](std::string_view column) { return table.has(column); }));
   };
   constexpr std::size_t kFewest = 3;  // of a robot that nobody names; one of two joints is named
-  const std::size_t angles = present(Actuator::revolute), lengths = present(Actuator::linear);
+  const std::size_t angles = present(Unit::rad), lengths = present(Unit::mm);
   JointSpace found;
   found.guided_z = joints.guided_z;
   found.reach = joints.reach;
@@ -55,14 +55,14 @@ Joints joints_of(const CsvTable& table, std::size_t row, const JointSpace& joint
   for (std::size_t i = 0; i < joints.count; ++i) {
     const Unit unit = joint_unit(joints.actuator);
     const plausible::Range range = unit == Unit::mm ? plausible::length(joints.reach) : plausible::kAngle;
-    const double value = table.number(row, joint_names(joints.actuator)[i], range);
+    const double value = table.number(row, joint_names(unit)[i], range);
     coordinates(static_cast<Eigen::Index>(i)) = from_file_unit(unit, value);
   }
   return coordinates;
 }
 
 bool states_joints(const CsvTable& table, std::size_t row, const JointSpace& joints) {
-  const auto names = std::span(joint_names(joints.actuator)).first(joints.count);
+  const auto names = std::span(joint_names(joint_unit(joints.actuator))).first(joints.count);
   return std::ranges::any_of(names, [&](std::string_view column) { return !table.text(row, column).empty(); });
 }
 

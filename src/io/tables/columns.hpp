@@ -14,7 +14,7 @@
 namespace paracal::io {
 
 /// "q1_deg", ... or "q1_mm", ...
-const std::array<std::string_view, kMaxLimbs>& joint_names(Actuator actuator);
+const std::array<std::string_view, kMaxLimbs>& joint_names(Unit unit);
 
 /// `columns` and the joint columns of these joints; of any robot where they are none.
 std::vector<std::string_view> with_joint_columns(std::vector<std::string_view> columns, const JointSpace& joints);

@@ -79,7 +79,7 @@ std::string header_of(const OptionalColumns& columns) {
   if (columns.sigma) header += ",sigma_mm";
   if (columns.orientation_sigma) header += ",sigma_deg";
   for (std::size_t i = 0; i < columns.joints.count; ++i) {
-    header.append(",").append(joint_names(columns.joints.actuator)[i]);
+    header.append(",").append(joint_names(joint_unit(columns.joints.actuator))[i]);
   }
   return header + '\n';
 }

@@ -92,7 +92,7 @@ class PoseRows {
 Joints rounding_of(const CsvTable& table, std::size_t row, const JointSpace& joints) {
   Joints rounding(static_cast<Eigen::Index>(joints.count));
   for (std::size_t i = 0; i < joints.count; ++i) {
-    const double digit = half_last_digit(table.text(row, joint_names(joints.actuator)[i]));
+    const double digit = half_last_digit(table.text(row, joint_names(joint_unit(joints.actuator))[i]));
     rounding(static_cast<Eigen::Index>(i)) = from_file_unit(joint_unit(joints.actuator), digit);
   }
   return rounding;
@@ -224,7 +224,7 @@ Measurements read_distances(const std::filesystem::path& distances, const std::f
 
 std::string joint_table_header(const JointSpace& joints) {
   std::string text = "pose";
-  for (std::size_t i = 0; i < joints.count; ++i) text.append(",").append(joint_names(joints.actuator)[i]);
+  for (std::size_t i = 0; i < joints.count; ++i) text.append(",").append(joint_names(joint_unit(joints.actuator))[i]);
   return text + '\n';
 }
 
