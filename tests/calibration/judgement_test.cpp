@@ -118,8 +118,11 @@ TEST_P(Judged, WithoutASecondVisitASingleVisitIsWorthWhatALooseJointLeaves) {
 /// Whether a note says so or not: U holds, of the mean place and of a single visit. Single errors may not: nothing
 /// tells uneven drives from them, as `assumed` says.
 TEST_P(Judged, WhatTheGeometryDoesNotDoWidensU) {
-  for (const char* world : {"drives uneven 0.0015 deg", "compliance 0.05 mm", "drift 0.05 mm"}) {
+  for (const std::string world : {"drives uneven 0.0015 deg", "compliance 0.05 mm", "drift 0.05 mm", "17-bit encoders",
+                                  "guides 0.03 mm aside", "axes wobble 0.01 deg"}) {
     SCOPED_TRACE(world);
+    // Of carriages, what leans a rod's end at both sides moves it by far more.
+    if (world.starts_with("axes") && GetParam() == "linear_delta") continue;
     const Judgement all = in(world, {.claim = 60, .quick = 6});
     EXPECT_GE(all.distance_coverage(), 0.9 - lack(all, 0.9));
     EXPECT_GE(1.0 * all.visits_held, (0.9 - lack(all, 0.9)) * all.distances);

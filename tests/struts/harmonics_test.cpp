@@ -193,6 +193,16 @@ TEST(Harmonics, GenhexkinsRefusesThemAlone) {
               testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("turn_cosine of limb 5")));
 }
 
+/// It has no place for them: U without them would be too small.
+TEST(Harmonics, TheCompensatorsCovarianceRefusesThem) {
+  const Robot robot = with_harmonics(test::robot_named("linear_delta"));
+  const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(2, 2);
+  const std::vector<SoughtSource> even{{0, "rod_mean"}, {1, "rod_mean"}}, uneven{{0, "rod_mean"}, {1, "turn_sine"}};
+  EXPECT_NO_THROW((void)compensator_covariance(robot, even, covariance));
+  EXPECT_THAT([&] { (void)compensator_covariance(robot, uneven, covariance); },
+              testing::ThrowsMessage<InvalidArgument>(testing::HasSubstr("turn_sine: expected a calibration without")));
+}
+
 TEST(Harmonics, SteepOnesAndPitchesOfNothingAreRefused) {
   const Robot robot = with_harmonics(test::robot_named("hexapod"));
   SourceErrors errors;

@@ -141,7 +141,17 @@ class Truth {
       }
       if (world_.backlash > 0.0) joints(k) += lever * (random_.uniform() < 0.5 ? -world_.backlash : world_.backlash);
     }
-    const Machine& machine = warm ? warm_ : cold_;
+    for (Eigen::Index k = 0; world_.uneven_fast > 0.0 && k < joints.size(); ++k) {
+      const double turns = 10.0 * (joints(k) - low_(k)) / stroke_(k);
+      joints(k) += lever * world_.uneven_fast * std::sin(2.0 * std::numbers::pi * turns + waves_(0, k));
+    }
+    if (world_.counts_per_turn > 0.0) {
+      const double step = lever * 2.0 * std::numbers::pi / world_.counts_per_turn;
+      joints = step * (joints / step).array().round();
+    }
+    const Machine bent = world_.guides_aside > 0.0 || world_.wobble > 0.0 ? bent_at(joints) : Machine{};
+    const bool bends = world_.guides_aside > 0.0 || world_.wobble > 0.0;
+    const Machine& machine = bends ? bent : warm ? warm_ : cold_;
     if (world_.compliance > 0.0) {  // what lifts the plate turns each joint, by as much as the plate follows it
       const PlateMotions motions = plate_jacobian(machine, forward(machine, joints).plate, joints, zeros_);
       joints -= world_.compliance * most_lift_ * motions.row(2).transpose();
@@ -157,6 +167,19 @@ class Truth {
   }
 
  private:
+  /// What guides or axes that are not straight make of the machine at these joints.
+  Machine bent_at(const Joints& joints) const {
+    SourceErrors now = errors_;
+    for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
+      const auto k = static_cast<Eigen::Index>(limb);
+      const double s = 2.0 * (joints(k) - low_(k)) / stroke_(k) - 1.0, q = joints(k);
+      now(limb, "e_y") += world_.guides_aside * (0.5 * s * (5.0 * s * s - 3.0) * waves_(1, k) / 1.5);
+      now(limb, "alpha0") += world_.wobble * std::sin(2.0 * q + waves_(2, k));
+      now(limb, "beta0") += world_.wobble * std::sin(3.0 * q + waves_(3, k));
+    }
+    return build(robot_, now);
+  }
+
   /// Strokes of the joints, and how much they lift the plate.
   void survey() {
     const auto joints = static_cast<Eigen::Index>(robot_.limb_count());
@@ -521,6 +544,12 @@ std::vector<World> wrong_worlds() {
           {.name = "one visit", .visits = 1},
           {.name = "one visit, loose 0.02 deg", .visits = 1, .loose = to_radians(0.02)},
           {.name = "drives uneven 0.0015 deg", .uneven = to_radians(0.0015), .errors_cannot_be_told = true},
+          {.name = "uneven 0.002 deg within a tenth of the stroke",
+           .uneven_fast = to_radians(0.002),
+           .errors_cannot_be_told = true},
+          {.name = "17-bit encoders", .counts_per_turn = 131072.0, .errors_cannot_be_told = true},
+          {.name = "guides 0.03 mm aside", .guides_aside = 0.03, .errors_cannot_be_told = true},
+          {.name = "axes wobble 0.01 deg", .wobble = to_radians(0.01), .errors_cannot_be_told = true},
           {.name = "compliance 0.05 mm", .compliance = 0.05, .errors_cannot_be_told = true},
           {.name = "bowed 0.1 mm", .bow_at_rim = 0.1, .errors_cannot_be_told = true},
           {.name = "drift 0.05 mm", .drift = 0.05, .errors_cannot_be_told = true},

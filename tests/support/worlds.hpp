@@ -34,11 +34,15 @@ struct World {
   bool table4_sized = false;  ///< all errors but the offsets as small as those of [huang2016, Table 4]
   int wrong_parts = 0;        ///< so many errors of the position group are ten tolerances off
   // Of a carriage an angle is what it takes at the end of a rod.
-  double backlash = 0.0;    ///< rad: each joint stands this much to one side at a pose, at every visit the same
-  double loose = 0.0;       ///< rad: one joint stands this much to one side, anew at each visit
-  double sticks = 0.0;      ///< rad: one joint stands this much to one side at a tenth of the visits
-  double uneven = 0.0;      ///< rad, root mean square of three harmonics of each joint's stroke
-  double compliance = 0.0;  ///< mm: joints give way under the plate's weight, by this much at most
+  double backlash = 0.0;         ///< rad: each joint stands this much to one side at a pose, at every visit the same
+  double loose = 0.0;            ///< rad: one joint stands this much to one side, anew at each visit
+  double sticks = 0.0;           ///< rad: one joint stands this much to one side at a tenth of the visits
+  double uneven = 0.0;           ///< rad, root mean square of three harmonics of each joint's stroke
+  double uneven_fast = 0.0;      ///< rad: drives are off by this at most, once up and down in a tenth of the stroke
+  double counts_per_turn = 0.0;  ///< of encoders; 0: they read any angle
+  double guides_aside = 0.0;     ///< mm: guides lead carriages aside by this at most, as a cubic of the stroke
+  double wobble = 0.0;           ///< rad: axes lean by this, as the second and third harmonic of the arm's angle
+  double compliance = 0.0;       ///< mm: joints give way under the plate's weight, by this much at most
   double encoder_once_a_turn = 0.0;  ///< rad: q + this sin q; of a carriage once a turn of its pulley
   bool one_drive = false;            ///< the encoder of the first drive alone is so
   double warm_drives = 0.0;          ///< arms are longer, or carriages run farther, by this share, from half way on

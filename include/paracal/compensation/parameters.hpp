@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "paracal/calibration/prediction.hpp"
 #include "paracal/compensation/stated_uncertainty.hpp"
+#include "paracal/error.hpp"
 #include "paracal/kinematics/error_model.hpp"
 #include "paracal/mechanism/closure_limb.hpp"
 #include "paracal/mechanism/robot.hpp"
@@ -30,7 +32,9 @@ extern template CompensatorParameters<double> compensator_parameters(const Robot
 extern template CompensatorParameters<float> compensator_parameters(const Robot& robot, const SourceErrors& errors,
                                                                     const DriveCurves& drives);
 
-/// Covariance of identified errors for the compensator; without those of harmonics.
+/// Covariance of identified errors for the compensator.
+/// @throws InvalidArgument where errors of each turn are among them: it has no place for these, and U would be too
+/// small. PlateUncertainty (prediction.hpp) has.
 /// @param parameters  of the rows: any type with `limb` (from 0) and `source`, as in a Calibration.
 /// @param covariance  of these, mm and rad.
 template <typename Parameter>
@@ -40,9 +44,14 @@ CompensatorCovariance<double> compensator_covariance(const Robot& robot, const s
   const auto at = [&](const Parameter& one) {
     return kCompensatorErrors * one.limb + place_in(robot.nominal().limbs[one.limb].actuator, one.source);
   };
+  for (const Parameter& one : parameters) {
+    if (!is_harmonic(one.source)) continue;
+    throw InvalidArgument(std::string(name(one.source)) +
+                          ": expected a calibration without errors of each turn, for which this covariance has no "
+                          "place. Use PlateUncertainty");
+  }
   for (std::size_t r = 0; r < parameters.size(); ++r) {
     for (std::size_t c = 0; c < parameters.size(); ++c) {
-      if (is_harmonic(parameters[r].source) || is_harmonic(parameters[c].source)) continue;
       scaled[at(parameters[r])][at(parameters[c])] =
           paper_scale(robot, parameters[r].source) * paper_scale(robot, parameters[c].source) *
           covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));

@@ -122,7 +122,7 @@ class OrderCandidates {
 
   void add_set_up(std::size_t series) {
     const std::vector<Eigen::Index> zeros = observation_.series()[series]->zero_columns(), all = columns_of(series);
-    const std::string subject = fmt::format("the set-up of {}", observation_.series()[series]->name());
+    const std::string subject = fmt::format("the setup of {}", observation_.series()[series]->name());
     for (const std::vector<Eigen::Index>* columns : {&zeros, &all}) {
       if (columns->empty() || (columns == &all && all.size() == zeros.size())) continue;
       OrderEffect effect{.by = OrderedBy::set_up, .subject = subject};
