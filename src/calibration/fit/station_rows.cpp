@@ -25,12 +25,12 @@ ByPlate Observation::scaled_rows(const Group& group, const Placed& at, Eigen::Ma
   return by_plate;
 }
 
-void Observation::take_off(std::size_t place, const Eigen::VectorXd& rows) {
-  const Group& group = groups_[place];
+void Observation::take_off(std::size_t group, const Eigen::VectorXd& rows) {
+  const Group& one = groups_[group];
   taken_off_.resize(groups_.size());
-  Eigen::VectorXd unscaled = rows * (noise_factor(group) / std::sqrt(group.weight));
-  if (orientation_factor(group) != 1.0) unscaled.segment(3, orientation_rows(group)) *= orientation_factor(group);
-  Eigen::VectorXd& all = taken_off_[place];
+  Eigen::VectorXd unscaled = rows * (noise_factor(one) / std::sqrt(one.weight));
+  if (orientation_factor(one) != 1.0) unscaled.segment(3, orientation_rows(one)) *= orientation_factor(one);
+  Eigen::VectorXd& all = taken_off_[group];
   all = all.size() == 0 ? unscaled : Eigen::VectorXd(all + unscaled);
 }
 
