@@ -61,7 +61,7 @@ double along(const VisitOff& one, Eigen::Index joint) {
 
 bool StickingJoint::may_be_often() const {
   constexpr double kLeftOut = 0.05;
-  const double count = static_cast<double>(stuck);
+  const auto count = static_cast<double>(stuck);
   return count + 2.0 * std::sqrt(count) + 2.0 > kLeftOut * static_cast<double>(visits);  // about the 97.5 % bound
 }
 
@@ -74,6 +74,7 @@ std::optional<StickingJoint> sticking_joint(const StageFit& fit) {
   const std::vector<VisitOff> all = visits_off(fit);
   if (all.size() < 2 * kFewest) return std::nullopt;
   std::vector<double> sizes;
+  sizes.reserve(all.size());
   for (const VisitOff& one : all) sizes.push_back(one.off.norm());
   const double usual = median(sizes);
   std::vector<const VisitOff*> far;
