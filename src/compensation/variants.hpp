@@ -17,11 +17,11 @@ int usual_steps(ExportVariant variant);
 
 /// The largest distance of the plate from the commanded position, and of the slide, mm, with joints that a variant
 /// finds: at kVariantPoses poses drawn from the workspace.
-double variant_error(const Robot& robot, const Machine& machine, ExportVariant variant);
+double variant_error(const Robot& robot, const Machine& built, ExportVariant variant);
 
 /// The largest difference of the rates of the closed form from those of the exact method, relative to the largest of
 /// their coordinate.
-double rate_error(const Robot& robot, const Machine& machine);
+double rate_error(const Robot& robot, const Machine& built);
 
 /// The machine with these errors.
 /// @throws InvalidArgument unless has_compensator().
