@@ -141,9 +141,9 @@ ExactJacobian differentiate(const Machine& machine, const PlateState& plate, con
           residual_to_plate.template middleCols<2>(row).lazyProduct(rods);
       if (limb.actuator.has_harmonics) {
         const auto [sine, cosine] = by_harmonics(limb, joints(i));
-        const Eigen::Index turn = first + kOfParallelogram;
-        jacobian.plate.col(turn) = sine * jacobian.plate.col(first);
-        jacobian.plate.col(turn + 1) = cosine * jacobian.plate.col(first);
+        const Eigen::Index of_turn = first + kOfParallelogram;
+        jacobian.plate.col(of_turn) = sine * jacobian.plate.col(first);
+        jacobian.plate.col(of_turn + 1) = cosine * jacobian.plate.col(first);
       }
       row += 2;
     }

@@ -102,7 +102,7 @@ std::string row_name(const CsvTable& table, std::size_t row) {
 
 std::string quoted(const std::string& name) {
   const bool would_be_formula = begins_as_formula(name) && !finite_number(name);
-  const std::string field = would_be_formula ? kNoFormula + name : name;
+  std::string field = would_be_formula ? kNoFormula + name : name;
   const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
   const bool has_blank_ends = !field.empty() && (is_blank(field.front()) || is_blank(field.back()));
   if (field.find_first_of(",\"\r\n#") == std::string::npos && !has_blank_ends) return field;
