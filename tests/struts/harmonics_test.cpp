@@ -218,6 +218,24 @@ TEST(Harmonics, SteepOnesAndPitchesOfNothingAreRefused) {
   EXPECT_THROW((void)Robot(description), InvalidArgument);
 }
 
+/// Where they stand in the file; 0 is not "none".
+TEST(Harmonics, PitchesThatNoScrewHasAreRefusedWithTheirLine) {
+  const std::string good = io::robot_toml(with_harmonics(test::robot_named("hexapod"))), key = "pitch_mm = ";
+  const std::size_t at = good.find(key) + key.size();
+  ASSERT_NE(good.find(key), std::string::npos);
+  for (const char* pitch : {"0", "-5", "1e9", "1e-6"}) {
+    std::string text = good;
+    text.replace(at, good.find('\n', at) - at, pitch);
+    EXPECT_THAT(
+        [&] {
+          (void)io::read_robot({"r.toml", text});
+        },
+        testing::ThrowsMessage<Error>(testing::AllOf(testing::ContainsRegex("r.toml:[0-9]+: "),
+                                                     testing::HasSubstr("pitch_mm from 0.001 to 100000"))))
+        << pitch;
+  }
+}
+
 /// Machines whose screws wobble by 0.02 mm, fitted with and without harmonics.
 struct Fits {
   int values = 0, held = 0;

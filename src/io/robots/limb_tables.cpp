@@ -80,7 +80,8 @@ std::string toml_value(const Json& value) {
 }  // namespace
 
 double pitch_of(Section& table, Actuator kind) {
-  return from_file_unit(joint_unit(kind), table.number_or(pitch_key(kind), 0.0, plausible::kFinite));
+  constexpr plausible::Range kPitch{1e-3, 1e5, "", "no screw or encoder is outside"};
+  return from_file_unit(joint_unit(kind), table.number_or(pitch_key(kind), 0.0, kPitch));
 }
 
 void add_pitch(Actuator kind, double pitch, Json& json) {
