@@ -222,6 +222,7 @@ TEST_P(Judged, AJointThatSticksNowAndThenIsNamedAndAnyVisitIsWithinU) {
   for (const char* name : {"sticks 0.02 deg at one visit of ten", "sticks 0.1 deg at one visit of ten"}) {
     SCOPED_TRACE(name);
     const Judgement all = in(name, {.claim = 24, .quick = 6});
+    record_fault(name, all);
     EXPECT_EQ(all.accepted, all.machines);
     EXPECT_GE(notes_with(all, " sticks: "), 0.8 * all.machines - 1.0);
     for (const int exceeded : all.visit_exceeded) EXPECT_LE(exceeded, exceeded_at_most(all));

@@ -80,6 +80,7 @@ class Truth {
       faults_.push_back("rod 1 of limb " + std::to_string(warming_limb_ + 1));
     }
     if (world.backlash_by_side > 0.0) faults_.emplace_back("direction of its motion");
+    if (world.sticks > 0.0) faults_.emplace_back(" sticks: ");
     sides_ = Joints::Zero(static_cast<Eigen::Index>(robot.limb_count()));
     be_at(1.0);
     loose_joint_ = static_cast<Eigen::Index>(random_.uniform() * static_cast<double>(robot.limb_count()));

@@ -45,22 +45,11 @@ bool stands_out(const Eigen::VectorXd& gains) {
   return mean > kStandardErrors * std::sqrt(squares / ((count - 1.0) * count));
 }
 
-/// Mean square of a reading by all terms of these kinds.
-double mean_square(const VarianceTable& table, const Eigen::VectorXd& u, const std::vector<Spreads>& kinds) {
-  double sum = 0.0;
-  for (const Spreads what : kinds) {
-    for (const std::size_t term : table.terms_of(what)) {
-      sum += std::exp(2.0 * u(static_cast<Eigen::Index>(term))) * table.terms()[term].trace();
-    }
-  }
-  return sum;
-}
-
 /// What cannot be seen beside the noise predicts nothing better.
 bool is_hidden(const VarianceTable& table, const Eigen::VectorXd& u) {
   constexpr double kHidden = 0.05;  // of the squares of the noise
-  const double noise = mean_square(table, u, {Spreads::noise, Spreads::stated_noise, Spreads::orientation_noise});
-  return mean_square(table, u, {Spreads::drives}) < kHidden * noise;
+  const double noise = table.squares(u, {Spreads::noise, Spreads::stated_noise, Spreads::orientation_noise});
+  return table.squares(u, {Spreads::drives}) < kHidden * noise;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -13,7 +12,7 @@
 namespace paracal::detail {
 namespace {
 
-constexpr double kSmallest = 1e-4, kLargest = 10.0;  // mm: what any such effect may do to readings
+constexpr double kLargest = 10.0;  // mm: what any such effect may do to readings
 
 /// Rows of a block of the means by the unknowns of the fit.
 Eigen::MatrixXd by_unknowns(const LinearReadings& readings, std::size_t block) {
@@ -71,7 +70,7 @@ class OrderSearch {
   /// What it takes from the evidence that the sizes follow the visits: of means the table of the effect counts it.
   double cost_of_visits(const FoundOrder& found) {
     const Eigen::MatrixXd visits = visits_of(found.effect);
-    const double size = std::clamp(found.size(), kSmallest, kLargest);
+    const double size = found.size();
     Eigen::MatrixXd volume = size * size * product(visits.transpose(), visits);
     const double told = std::min(1.0, volume.trace() / static_cast<double>(volume.rows()));
     volume.diagonal().array() += 1.0;
@@ -236,7 +235,7 @@ class OrderSearch {
     if (!(gain > kChance)) return;
     FoundOrder found{.effect = effect, .sizes = std::move(sizes)};
     found.effect.degree = degree;
-    const double size = std::clamp(found.size(), kSmallest, kLargest);
+    const double size = found.size();
     Eigen::MatrixXd volume = size * size * square;
     volume.diagonal().array() += 1.0;
     gain -= Cholesky(volume).log_root() + 0.5 * static_cast<double>(found.sizes.size());
@@ -277,18 +276,9 @@ std::vector<Eigen::MatrixXd> scatter_without(const FoundOrder& found, const Line
 bool is_all_noise(const VarianceTable& table, const Eigen::VectorXd& u) {
   constexpr double kHardly = 1.0;  // of the squares of the noise of mean readings
   constexpr double kLarge = 1.5;   // times what is expected of instruments
-  const auto squares = [&](std::initializer_list<Spreads> kinds) {
-    double sum = 0.0;
-    for (const Spreads what : kinds) {
-      for (const std::size_t term : table.terms_of(what)) {
-        sum += std::exp(2.0 * u(static_cast<Eigen::Index>(term))) * table.terms()[term].trace();
-      }
-    }
-    return sum;
-  };
-  const double noise = squares({Spreads::noise, Spreads::stated_noise, Spreads::orientation_noise});
+  const double noise = table.squares(u, {Spreads::noise, Spreads::stated_noise, Spreads::orientation_noise});
   const bool is_known = table.noise_of_visits().has_value() || !(table.largest_unstated_noise(u) > kLarge);
-  return is_known && squares({Spreads::visits, Spreads::poses, Spreads::drives}) < kHardly * noise;
+  return is_known && table.squares(u, {Spreads::visits, Spreads::poses, Spreads::drives}) < kHardly * noise;
 }
 
 /// The odds of an effect by a table in which it is so. Drift where no pose is visited again may be what goes with the
@@ -296,7 +286,7 @@ bool is_all_noise(const VarianceTable& table, const Eigen::VectorXd& u) {
 void give_own_table(const StageFit& fit, const WeighedTable& none, FoundOrder& one) {
   const LinearReadings& readings = none.table.readings();
   VarianceTable own = none.table;
-  own.add_effect(on_means(one.effect, readings), std::clamp(one.size(), kSmallest, kLargest));
+  own.add_effect(on_means(one.effect, readings), one.size());
   own.take_scatter(scatter_without(one, readings));
   const VarianceTable::Mode mode = own.mode();
   one.log_odds = std::log(one.effect.odds) + mode.log_evidence - none.mode.log_evidence;
@@ -349,6 +339,11 @@ Eigen::RowVectorXd OrderEffect::factors(std::size_t group) const {
     all(k) = by == OrderedBy::sides ? order->sides(row, joint) : order->drift(row, k / count);
   }
   return all;
+}
+
+double FoundOrder::size() const {
+  constexpr double kSmallest = 1e-4;
+  return std::clamp(sizes.norm() / std::sqrt(static_cast<double>(sizes.size())), kSmallest, kLargest);
 }
 
 Eigen::VectorXd FoundOrder::farthest(const Observation& observation) const {

@@ -54,8 +54,8 @@ struct FoundOrder {
   std::vector<std::string> others = {};  ///< subjects that explain the readings about as well
 
   double probability() const { return 1.0 / (1.0 + std::exp(-log_odds)); }
-  /// Standard deviation of its sizes.
-  double size() const { return sizes.norm() / std::sqrt(static_cast<double>(sizes.size())); }
+  /// Standard deviation of its sizes, within what such effects may do.
+  double size() const;
   /// How far a drifting machine was at most from that of the mean time, of the unknowns: it may stay there.
   Eigen::VectorXd farthest(const Observation& observation) const;
   /// How far each joint stops from the middle of its play, rad or mm.

@@ -25,7 +25,6 @@ class Blocks {
     for (ReadingBlock& one : blocks_) {
       if (!is_alike(one.rows.leftCols(last), rows.leftCols(last))) continue;
       const Eigen::VectorXd off = rows.col(last) - one.rows.col(last);
-      one.scatter += off * off.transpose() * (one.visits / (one.visits + 1.0));
       one.rows.col(last) += off / ++one.visits;
       one.each.push_back({g, rows.col(last)});
       return;
@@ -74,7 +73,10 @@ void ReadingPlaces::each_block(const StageFit& fit, std::size_t stride,
     for (const std::uint32_t g : places_[k].groups) blocks.add(g);
     for (ReadingBlock& one : blocks.all()) {
       const Eigen::VectorXd mean = one.rows.rightCols<1>();
-      for (ReadingBlock::Visit& visit : one.each) visit.off -= mean;
+      for (ReadingBlock::Visit& visit : one.each) {
+        visit.off -= mean;
+        one.scatter += visit.off * visit.off.transpose();
+      }
       look(std::move(one));
     }
     blocks.all().clear();

@@ -38,6 +38,16 @@ std::vector<std::size_t> VarianceTable::terms_of(Spreads what) const {
   return places;
 }
 
+double VarianceTable::squares(const Eigen::VectorXd& u, std::initializer_list<Spreads> kinds) const {
+  double sum = 0.0;
+  for (const Spreads what : kinds) {
+    for (const std::size_t term : terms_of(what)) {
+      sum += std::exp(2.0 * u(static_cast<Eigen::Index>(term))) * terms_[term].trace();
+    }
+  }
+  return sum;
+}
+
 std::size_t VarianceTable::term_of(Spreads what, Eigen::Index joint) const {
   const auto found =
       std::ranges::find_if(terms_, [&](const VarianceTerm& one) { return one.what == what && one.joint == joint; });

@@ -3,6 +3,7 @@
 // Private to calibration: every variance of the readings, estimated together.
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -42,6 +43,8 @@ class VarianceTable {
   const NoiseOfSeries& entered() const { return entered_; }
   /// Places of those of a kind.
   std::vector<std::size_t> terms_of(Spreads what) const;
+  /// Sum of the squares of what all terms of these kinds do to the mean readings, over their noise.
+  double squares(const Eigen::VectorXd& u, std::initializer_list<Spreads> kinds) const;
   /// The same readings where these facts are otherwise.
   VarianceTable with(const std::vector<const Fact*>& facts) const;
 
