@@ -98,11 +98,11 @@ py::tuple driven(const BuiltMachine& built, const Array& poses) {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// d(pose, tilt) / d(joints) and / d(source errors) of machines of a robot: rows x, y, z, phi, tilt_x, tilt_y, tilt_z,
-/// without phi where the plate has six freedoms. A joint's column is that of its zero, times
-/// the gain of its drive.
+/// without phi where the plate has six freedoms. A joint's column is that of its zero, times the gain of its drive and
+/// what its screw or encoder makes of a motion there.
 class Derivatives {
  public:
-  explicit Derivatives(const BuiltMachine& built) : machine_(built.machine) {
+  explicit Derivatives(const BuiltMachine& built) : machine_(differentiable(built.robot, built.errors)) {
     if (built.robot.commands_tilt()) std::erase(rows_, 3);
     for (std::size_t limb = 0; limb < built.robot.limb_count(); ++limb) {
       for (const Source source : sources_of(built.robot.limbs())) {
@@ -132,13 +132,15 @@ class Derivatives {
       const std::size_t limb = sources_[k].limb;
       by_error.col(columns_[k]) = motions(rows_, static_cast<Eigen::Index>(k));
       if (!is_joint_zero(sources_[k].source)) continue;
-      by_joint.col(static_cast<Eigen::Index>(limb)) = machine_.limbs[limb].gain * by_error.col(columns_[k]);
+      const auto at = static_cast<Eigen::Index>(limb);
+      const Limb& drive = machine_.limbs[limb];
+      by_joint.col(at) = drive.gain * drive.turn.rate(joints(at)) * by_error.col(columns_[k]);
     }
     return found.status;
   }
 
  private:
-  const Machine& machine_;
+  DifferentiableMachine machine_;
   std::vector<SoughtSource> sources_;  ///< what moves a plate: every source error of every limb
   std::vector<Eigen::Index> columns_;  ///< of each; zero are those of errors that a limb does not have
   Eigen::Index column_count_ = 0;

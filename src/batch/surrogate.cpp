@@ -133,7 +133,7 @@ void Surrogate::ask_validation(const Robot& robot, const std::vector<Station>& v
   Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(validation.size()));
   for (std::size_t k = 0; k < validation.size(); ++k) {
     const Pose& pose = validation[k].commanded;
-    const Machine& nominal = robot.nominal();
+    const DifferentiableMachine& nominal = robot.nominal();
     const PlateMotions motions =
         plate_jacobian(nominal, plate_at(nominal, pose), inverse(nominal, pose).joints, errors_);
     if (motions.cols() == 0) throw Unreachable("surrogate: the nominal machine is singular at a validation pose");

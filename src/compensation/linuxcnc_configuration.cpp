@@ -149,12 +149,6 @@ struct JointDemand {
   Joints home, lowest, highest, fastest;
 };
 
-/// Of a joint by what is commanded.
-double way_of(const TurnCurve<double>& turn, double joint) {
-  const double angle = turn.turning * joint;
-  return 1.0 + turn.turning * (turn.sine * std::cos(angle) - turn.cosine * std::sin(angle));
-}
-
 JointDemand joint_demand(const Robot& robot, const Machine& machine, const DriveCurves& drives) {
   const Joints home = inverse(machine, {robot.workspace().centre()}).joints;
   JointDemand demand{home, home, home, Joints::Zero(home.size())};
@@ -164,7 +158,7 @@ JointDemand joint_demand(const Robot& robot, const Machine& machine, const Drive
     Joints fastest = fastest_at(robot, machine, pose, joints);
     for (Eigen::Index i = 0; i < joints.size(); ++i) {
       const auto limb = static_cast<std::size_t>(i);
-      fastest(i) /= (1.0 + drives.of(limb).slope(joints(i))) * way_of(machine.limbs[limb].turn, joints(i));
+      fastest(i) /= (1.0 + drives.of(limb).slope(joints(i))) * machine.limbs[limb].turn.rate(joints(i));
     }
     demand.fastest = demand.fastest.cwiseMax(fastest);
   });

@@ -58,8 +58,8 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   parameters.commanded = commanded(identified);
   parameters.held_z.fill(identified.freedoms.holds_z() ? static_cast<Scalar>(identified.guided_z) : Scalar(0));
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
-    parameters.identified[i] = closure_limb<Scalar>(identified, i);
-    parameters.nominal[i] = closure_limb<Scalar>(robot.nominal(), i);
+    parameters.identified[i] = limb_of<Scalar>(numbers_of(closure_limb(identified, i)));
+    parameters.nominal[i] = limb_of<Scalar>(numbers_of(closure_limb<double>(robot.nominal(), i)));
     parameters.drives[i] = in_scalar<Scalar>(drives.of(i), identified.limbs[i].turn);
     if (!identified.is_level) continue;
     constexpr std::size_t kEven = ErrorModel::kPosition + ErrorModel::kTilt;  // harmonics are with the drives

@@ -48,7 +48,7 @@ JointFinder linear_joints(const Robot& robot, const KnownErrors& known, Compensa
 
 using UncertaintyFinder = std::function<std::optional<StatedU>(const Pose& wanted, const Joints& joints)>;
 
-UncertaintyFinder uncertainty_of(const Machine& actual, const KnownErrors& known) {
+UncertaintyFinder uncertainty_of(const DifferentiableMachine& actual, const KnownErrors& known) {
   if (known.covariance.size() == 0) return [](const Pose&, const Joints&) { return std::nullopt; };
   return [actual, uncertainty = PlateUncertainty(actual, known.parameters, known.pose_covariance())](
              const Pose& wanted, const Joints& joints) -> std::optional<StatedU> {
@@ -68,7 +68,7 @@ PoseCorrector pose_corrector(const Robot& robot, const KnownErrors& known, Compe
     throw InvalidArgument(
         "way: expected exact: the linear methods are for plates that three or four parallelograms keep level");
   }
-  const Machine actual = build(robot, known.errors);
+  const DifferentiableMachine actual = differentiable(robot, known.errors);
   const JointFinder find_joints =
       way == CompensationWay::exact ? exact_joints(actual, known.drives()) : linear_joints(robot, known, way);
   const UncertaintyFinder find_uncertainty = uncertainty_of(actual, known);

@@ -130,10 +130,11 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(6, limbs + 6);
     Eigen::Index row = 0;
     for (Eigen::Index i = 0; i < limbs; ++i) {
-      const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
-      for (std::size_t j = 0; j < rod_count(limb); ++j, ++row) {
-        system.col(i) += linear.jacobian.row(row).transpose() *
-                         detail::by_joint(limb, elbows[static_cast<std::size_t>(i)], j, linear.direction[row]);
+      const auto k = static_cast<std::size_t>(i);
+      const detail::StandingLimb limb(machine, k, plate, plate_rotation(plate.tilt).matrix, result.joints(i));
+      for (std::size_t j = 0; j < rod_count(machine.limbs[k]); ++j, ++row) {
+        system.col(i) +=
+            linear.jacobian.row(row).transpose() * limb.by_joint(j == 0 ? 1.0 : -1.0, linear.direction[row]);
       }
     }
     for (Eigen::Index k = 0; k < 6; ++k) {

@@ -26,7 +26,7 @@ std::vector<Eigen::Index> free_columns(const Machine& machine) {
 }
 
 /// de = df / (df / dq) where every rod fits.
-Stand stand(const Machine& machine, const PlateState& plate, const Joints& joints) {
+Stand stand(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints) {
   const Joints fitting = inverse(machine, pose_of(machine, plate)).joints;
   const Elbows<kAnyLimbs> elbows = elbows_of<kAnyLimbs>(machine, fitting);
   const LinearClosure<kAnyLimbs> linear = linearize<kAnyLimbs>(machine, plate, elbows);
@@ -36,9 +36,9 @@ Stand stand(const Machine& machine, const PlateState& plate, const Joints& joint
             Eigen::MatrixXd::Zero(limbs, static_cast<Eigen::Index>(machine.parameter_count()))};
   for (Eigen::Index i = 0; i < limbs; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const Limb& limb = machine.limbs[k];
-    const double per_joint = by_joint(limb, elbows[k], 0, linear.direction[k]);
-    const SourceRow own = single_rod_derivative(limb, fitting(i), rotation, linear.direction[k]);
+    const StandingLimb limb(machine, k, plate, rotation, fitting(i));
+    const double per_joint = limb.by_joint(1.0, linear.direction[k]);
+    const SourceRow own = limb.by_errors(machine.by_errors[k], 1.0, linear.direction[k]);
     all.by_parameter.row(i).segment(machine.first_parameter[k], own.size()) = own / per_joint;
     all.by_plate.row(i) /= per_joint;
   }
@@ -46,7 +46,7 @@ Stand stand(const Machine& machine, const PlateState& plate, const Joints& joint
 }
 
 /// Where the joints are off by the least: Gauss-Newton from a plate nearby.
-Stand least_off(const Machine& machine, PlateState plate, const Joints& joints) {
+Stand least_off(const DifferentiableMachine& machine, PlateState plate, const Joints& joints) {
   constexpr int kMaxIterations = 20;
   constexpr double kTolerance = 1e-10;  // mm and rad, of the last step
   const std::vector<Eigen::Index> free = free_columns(machine);
@@ -63,12 +63,12 @@ Stand least_off(const Machine& machine, PlateState plate, const Joints& joints) 
 
 }  // namespace
 
-Eigen::MatrixXd gap_basis(const Machine& machine, const PlateState& plate, const Joints& joints) {
+Eigen::MatrixXd gap_basis(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints) {
   const Eigen::MatrixXd by_plate = least_off(machine, plate, joints).by_plate;
   return orthogonal_factor(by_plate).rightCols(by_plate.rows() - by_plate.cols());
 }
 
-JointGaps joint_gaps(const Machine& machine, const PlateState& plate, const Joints& joints,
+JointGaps joint_gaps(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints,
                      const Eigen::MatrixXd& near) {
   const Stand all = least_off(machine, plate, joints);
   // What no motion of the plate closes of `near`, made orthonormal by the least turn.

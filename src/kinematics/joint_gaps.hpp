@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/mechanism/differentiable_machine.hpp"
 
 namespace paracal::detail {
 
@@ -22,10 +23,10 @@ struct JointGaps {
 
 /// An N, a row a limb.
 /// @param plate  near the least |e|: the answer of forward(machine, joints).
-Eigen::MatrixXd gap_basis(const Machine& machine, const PlateState& plate, const Joints& joints);
+Eigen::MatrixXd gap_basis(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints);
 
 /// @param near  the N of a machine and a pose nearby, which this one follows smoothly.
-JointGaps joint_gaps(const Machine& machine, const PlateState& plate, const Joints& joints,
+JointGaps joint_gaps(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints,
                      const Eigen::MatrixXd& near);
 
 }  // namespace paracal::detail

@@ -1,25 +1,52 @@
 #pragma once
 
-// Private to kinematics: the closure of one rod by the errors of its limb.
+// Private to kinematics: the closure of one rod by the joint and by the errors of its limb.
 
 #include <Eigen/Core>
 
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
+#include "paracal/mechanism/differentiable_machine.hpp"
 
 namespace paracal::detail {
 
 /// A column a source error of one limb.
 using SourceRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, static_cast<int>(kMostSources)>;
 
-/// df / dp of a limb with one rod, f = |r + R a - C| - l. All its errors but those of the joint at the plate move its
-/// upper end C by m and shorten f by n.m, or make the rod longer.
-SourceRow single_rod_derivative(const Limb& limb, double joint, const Eigen::Matrix3d& rotation,
-                                const Eigen::Vector3d& n);
+/// A limb of a machine that stands there, whose rods are
+///
+///   f = |r + R (a + phi slide + side h_a) - C - side h_c| - l,   side = +1, -1; of a single rod h_a = h_c = 0
+///
+/// in the letters of ClosureLimb.
+class StandingLimb {
+ public:
+  /// @param joint  as commanded.
+  StandingLimb(const Machine& machine, std::size_t number, const PlateState& plate, const Eigen::Matrix3d& rotation,
+               double joint);
 
-/// df / dq: mm of a rod's residual per rad or mm of where the joint of its limb is.
-inline double by_joint(const Limb& limb, const Elbow<double>& elbow, std::size_t rod,
-                       const Eigen::Vector3d& direction) {
-  return limb.is_strut() ? -limb.gain : -direction.dot(hinge_motion(limb, elbow, rod));
-}
+  /// df / dq: mm of a rod's residual per rad or mm of where the joint is.
+  /// @param n  from the upper end of the rod along it.
+  double by_joint(double side, const Eigen::Vector3d& n) const;
+
+  /// df / dp for the errors of the limb. Linear in n but for what makes a rod longer.
+  /// @param slopes  of the limb, DifferentiableMachine::by_errors.
+  SourceRow by_errors(const std::vector<NumberByError>& slopes, double side, const Eigen::Vector3d& n) const;
+
+ private:
+  using Vector = ClosureVector<double>;
+
+  /// Of the end of a rod, along u_1 and v_1 from the base joint.
+  std::array<double, 2> levers(double side) const;
+  double by_place(double side, const Vector& n) const;
+  ClosureLimb<double> by_numbers(double side, const Vector& n) const;
+
+  Actuator kind_;
+  ClosureLimb<double> limb_;
+  ArmDirection<double> arm_;
+  closure::ClosedElbow<double> elbow_;
+  Eigen::Matrix3d rotation_;
+  double phi_;
+  std::array<double, 2> by_turn_;  ///< of sine and cosine of its TurnCurve
+};
 
 }  // namespace paracal::detail

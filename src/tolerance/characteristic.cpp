@@ -112,7 +112,7 @@ LinearModel::AtPose LinearModel::at(const Pose& pose) const {
     if (!model.ok()) refuse(model.status == ErrorModelStatus::singular ? "singular" : "out of reach");
     return model;
   }
-  const Machine& machine = robot_.nominal();
+  const DifferentiableMachine& machine = robot_.nominal();
   const InverseResult joints = inverse(machine, pose);
   if (!joints.ok()) refuse("out of reach");
   const ExactJacobian exact = exact_jacobian(machine, plate_at(machine, pose), joints.joints);

@@ -27,7 +27,7 @@ Response::Response(const Robot& robot, std::vector<Characteristic> characteristi
 
 SentMachine::SentMachine(const Robot& robot, const SourceErrors& errors, bool compensated)
     : machine_(build(robot, errors)),
-      believed_(compensated ? build(robot, without_tilt_group(errors)) : robot.nominal()),
+      believed_(compensated ? build(robot, without_tilt_group(errors)) : Machine(robot.nominal())),
       home_(drive(machine_, believed_, {robot.workspace().centre(), 0.0})) {}
 
 std::optional<Reached> SentMachine::at(const Pose& commanded) const {

@@ -18,7 +18,7 @@ class AllocationLaw : public test::EveryRobot {
  protected:
   test::Random random;
   Pose pose = random.pose(robot);
-  Machine machine = build(robot, random.realistic_errors(robot));
+  DifferentiableMachine machine = differentiable(robot, random.realistic_errors(robot));
   Joints joints = inverse(robot.nominal(), pose).joints;
 
   template <typename Task>

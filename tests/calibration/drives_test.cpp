@@ -165,7 +165,7 @@ class Found : public testing::Test {
 /// The curves bring the plate where errors of joints' zeros of that size bring it, to first order.
 TEST_F(Found, CurvesActAsZerosDo) {
   ASSERT_FALSE(known.drives().are_even());
-  const Machine built = build(robot, known.errors);
+  const auto built = differentiable(robot, known.errors);
   const Joints joints = believed_joints(robot, stations[7]);
   const ForwardResult even = forward(built, joints), uneven = forward(built, known.drives().actual(joints));
   Eigen::VectorXd sizes = Eigen::VectorXd::Zero(std::ssize(known.parameters));

@@ -57,7 +57,7 @@ class SpreadLaw : public test::EveryRobot {
 
 TEST_P(SpreadLaw, JacobianIsTheDerivativeOfThePose) {
   const Joints joints = joints_at(1);
-  const Eigen::MatrixXd jacobian = pose_jacobian(build(robot, {}), joints, arm.parameters);
+  const Eigen::MatrixXd jacobian = pose_jacobian(differentiable(robot, {}), joints, arm.parameters);
   const Eigen::Vector4d expected = by_arm(joints);
   EXPECT_LT((jacobian.col(0).head<3>() - expected.head<3>()).norm(), exactly * expected.head<3>().norm());
   EXPECT_NEAR(jacobian(3, 0), expected(3), exactly * std::abs(expected(3)) + 1e-9);
@@ -158,7 +158,7 @@ PARACAL_ON_UNUSUAL_ROBOTS(SpreadLaw);
 TEST(PlateUncertaintyOf, ErrorsAndSplinesIsTheDiagonalOfTheWholeProduct) {
   for (const std::string_view name : {"huang2016", "linear_delta", "inclined_rails", "hexapod", "five-bar"}) {
     const Robot robot = test::robot_named(name);
-    const Machine& machine = robot.nominal();
+    const DifferentiableMachine& machine = robot.nominal();
     const Pose pose = workspace_stations(robot)[5].commanded;
     const Joints joints = inverse(machine, pose).joints;
     std::vector<SoughtSource> parameters;

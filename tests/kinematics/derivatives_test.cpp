@@ -82,7 +82,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
   Random random;
   for (int k = 0; k < 20; ++k) {
     const SourceErrors errors = random.errors(robot, 1.0, 0.01);
-    const Machine machine = build(robot, errors);
+    const auto machine = differentiable(robot, errors);
     const Joints joints = inverse(robot.nominal(), random.pose(robot)).joints;
     const ForwardResult pose = forward(machine, joints);
     ASSERT_TRUE(pose.usable());
@@ -142,7 +142,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstDifferencesOfTheExactPose) {
       state.tail<3>() = pose.plate.tilt;
       return state;
     };
-    const Machine machine = build(robot, errors);
+    const auto machine = differentiable(robot, errors);
     const ExactJacobian ours = exact_jacobian(machine, forward(machine, joints).plate, joints);
     ASSERT_TRUE(ours.ok);
     const double tolerance = robot.limb_count() == 4 ? 1e-3 : 1e-6;  // the neglected curvature for 4 limbs

@@ -97,7 +97,7 @@ TEST_P(ReportFigures, TheMapIsWhatThePosesSayOneByOne) {
   const std::size_t layer = 1 + map.at("radii_mm").size() * map.at("azimuths_deg").size();
   ASSERT_EQ(map.at("points").size(), layer * map.at("layers_mm").size());
 
-  const Machine machine = build(robot, errors);
+  const auto machine = differentiable(robot, errors);
   const auto jacobian_at = [&](const Eigen::Vector3d& position) {
     return pose_jacobian(machine, inverse(robot.nominal(), {position, 0.0}).joints, known.parameters);
   };

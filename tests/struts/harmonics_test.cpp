@@ -56,7 +56,7 @@ class HarmonicLaw : public test::EveryRobot {
     RandomStream random(7);
     return draw_errors(turning, tolerances_of(turning), random);
   }();
-  Machine machine = build(turning, errors);
+  DifferentiableMachine machine = differentiable(turning, errors);
   std::vector<Pose> poses = [this] {
     std::vector<Pose> all;
     for (const Station& station : candidate_stations(turning, 100, 3)) all.push_back(station.commanded);

@@ -68,7 +68,7 @@ TEST_P(SampleRobot, ForwardOfInverseIsThePose) {
 TEST_P(SampleRobot, DerivativesAreThoseOfTheExactPose) {
   test::Random random(2);
   const SourceErrors errors = random.errors(robot, 0.5, 2e-3);
-  const Machine machine = build(robot, errors);
+  const auto machine = differentiable(robot, errors);
   for (int k = 0; k < 3; ++k) {
     const Joints joints = inverse(machine, random.pose(robot)).joints;
     const PlateState at = forward(machine, joints).plate;
@@ -94,7 +94,7 @@ TEST_P(SampleRobot, DerivativesAreThoseOfTheExactPose) {
 TEST_P(SpareLimbs, GapsOpenAsTheirDerivativesSay) {
   test::Random random(3);
   const SourceErrors errors = random.errors(robot, 0.5, 2e-3);
-  const Machine machine = build(robot, errors);
+  const auto machine = differentiable(robot, errors);
   const Joints joints = inverse(machine, random.pose(robot)).joints;
   const PlateState at = forward(machine, joints).plate;
   const Eigen::MatrixXd basis = detail::gap_basis(machine, at, joints);
@@ -107,7 +107,7 @@ TEST_P(SpareLimbs, GapsOpenAsTheirDerivativesSay) {
     const auto gap = [&](double by) {
       SourceErrors other = errors;
       other(one.limb, one.source) += by;
-      const Machine moved = build(robot, other);
+      const auto moved = differentiable(robot, other);
       const PlateState plate = forward(moved, joints, {.start = at}).plate;
       return Eigen::VectorXd(detail::joint_gaps(moved, plate, joints, basis).gap);
     };

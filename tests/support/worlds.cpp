@@ -65,7 +65,7 @@ class Truth {
     if (world.last_series_factor > 1.0 && world.states_sigmas) {
       faults_.emplace_back(world.readings == Readings::two_trackers ? "the points of other tracker" : "of bar ");
     }
-    cold_ = build(robot, errors_);
+    cold_ = differentiable(robot, errors_);
     SourceErrors warm = errors_;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       if (swings_arm(robot.actuator())) {
@@ -74,7 +74,7 @@ class Truth {
         warm(limb, "gain") += world.warm_drives * kGainLength;
       }
     }
-    warm_ = build(robot, warm);
+    warm_ = differentiable(robot, warm);
     if (world.warming_rod > 0.0) {
       warming_limb_ = static_cast<std::size_t>(number) % robot.limb_count();
       faults_.push_back("rod 1 of limb " + std::to_string(warming_limb_ + 1));
@@ -103,7 +103,7 @@ class Truth {
     SourceErrors now = errors_;
     now(warming_limb_, "rod_mean") += 0.5 * time * world_.warming_rod;
     now(warming_limb_, "rod_difference") += time * world_.warming_rod;
-    cold_ = warm_ = build(robot_, now);
+    cold_ = warm_ = differentiable(robot_, now);
   }
   /// Joints come from where they are to a station.
   void go_to(const Station& station) {
@@ -150,9 +150,9 @@ class Truth {
       const double step = lever * 2.0 * std::numbers::pi / world_.counts_per_turn;
       joints = step * (joints / step).array().round();
     }
-    const Machine bent = world_.guides_aside > 0.0 || world_.wobble > 0.0 ? bent_at(joints) : Machine{};
+    const auto bent = world_.guides_aside > 0.0 || world_.wobble > 0.0 ? bent_at(joints) : DifferentiableMachine{};
     const bool bends = world_.guides_aside > 0.0 || world_.wobble > 0.0;
-    const Machine& machine = bends ? bent : warm ? warm_ : cold_;
+    const DifferentiableMachine& machine = bends ? bent : warm ? warm_ : cold_;
     if (world_.compliance > 0.0) {  // what lifts the plate turns each joint, by as much as the plate follows it
       const PlateMotions motions = plate_jacobian(machine, forward(machine, joints).plate, joints, zeros_);
       joints -= world_.compliance * most_lift_ * motions.row(2).transpose();
@@ -169,7 +169,7 @@ class Truth {
 
  private:
   /// What guides or axes that are not straight make of the machine at these joints.
-  Machine bent_at(const Joints& joints) const {
+  DifferentiableMachine bent_at(const Joints& joints) const {
     SourceErrors now = errors_;
     for (std::size_t limb = 0; limb < robot_.limb_count(); ++limb) {
       const auto k = static_cast<Eigen::Index>(limb);
@@ -178,7 +178,7 @@ class Truth {
       now(limb, "alpha0") += world_.wobble * std::sin(2.0 * q + waves_(2, k));
       now(limb, "beta0") += world_.wobble * std::sin(3.0 * q + waves_(3, k));
     }
-    return build(robot_, now);
+    return differentiable(robot_, now);
   }
 
   /// Strokes of the joints, and how much they lift the plate.
@@ -204,7 +204,7 @@ class Truth {
   std::vector<std::string> faults_;
   RandomStream random_;
   SourceErrors errors_;
-  Machine cold_, warm_;
+  DifferentiableMachine cold_, warm_;
   Eigen::Index loose_joint_ = 0;
   std::size_t warming_limb_ = 0;
   Joints sides_, came_from_;

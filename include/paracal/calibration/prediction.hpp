@@ -97,12 +97,12 @@ using PlateMotions = Eigen::Matrix<double, 7, Eigen::Dynamic>;
 
 /// d(x, y, z, phi, tilt) / d(parameters) of a plate that stands there with these joints, mm and rad. No columns where
 /// the machine is singular.
-PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
+PlateMotions plate_jacobian(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints,
                             const std::vector<SoughtSource>& parameters);
 
 /// Its rows of what is commanded, d(x, y, z, phi) / d(parameters), with six degrees of freedom d(x, y, z,
 /// tilt), at joints. Empty where the machine is singular.
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
+Eigen::MatrixXd pose_jacobian(const DifferentiableMachine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters);
 
 /// U of poses of one machine. What is alike at all poses is found once, so that a pose takes a few microseconds.
@@ -110,7 +110,8 @@ class PlateUncertainty {
  public:
   /// @param parameters  errors and knots of drives' splines, in the order of the covariance.
   /// @param covariance  KnownErrors::pose_covariance, mm and rad; empty: none is known.
-  PlateUncertainty(Machine machine, const std::vector<SoughtSource>& parameters, const Eigen::MatrixXd& covariance);
+  PlateUncertainty(DifferentiableMachine machine, const std::vector<SoughtSource>& parameters,
+                   const Eigen::MatrixXd& covariance);
 
   /// U = 2 std (about 95 %) of what is commanded, for a plate that stands there with these joints: x, y, z (mm) and
   /// phi (rad), 0 without a slide; with six degrees of freedom x, y, z and tilt (rad).
@@ -130,7 +131,7 @@ class PlateUncertainty {
   template <int Rows>
   Eigen::VectorXd variances_at(const ExactJacobian& exact, const Joints& joints) const;
 
-  Machine machine_;
+  DifferentiableMachine machine_;
   std::vector<Eigen::Index> columns_;  ///< of the errors in an ExactJacobian
   std::vector<Drive> drives_;
   Eigen::MatrixXd errors_, knots_by_errors_, knots_;  ///< parts of the covariance

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "paracal/kinematics/closure.hpp"
+#include "paracal/mechanism/differentiable_machine.hpp"
 
 namespace paracal {
 
@@ -28,6 +29,7 @@ struct [[nodiscard]] ExactJacobian {
 ///
 /// @param plate   the answer of forward(machine, joints).
 /// @param joints  commanded joint coordinates, rad or mm. Real-time: yes.
-ExactJacobian exact_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints) noexcept;
+ExactJacobian exact_jacobian(const DifferentiableMachine& machine, const PlateState& plate,
+                             const Joints& joints) noexcept;
 
 }  // namespace paracal

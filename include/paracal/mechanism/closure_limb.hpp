@@ -6,32 +6,33 @@
 namespace paracal {
 
 template <typename Scalar>
-ClosureVector<Scalar> closure_vector(const Eigen::Vector3d& v) {
-  return {static_cast<Scalar>(v.x()), static_cast<Scalar>(v.y()), static_cast<Scalar>(v.z())};
+ClosureVector<Scalar> closure_vector(const Vector3<Scalar>& v) {
+  return {v.x(), v.y(), v.z()};
 }
 
-/// A limb of a machine as its closure needs it, rounded to Scalar last. Real-time: yes.
-template <typename Scalar = double>
-ClosureLimb<Scalar> closure_limb(const Machine& machine, std::size_t number) {
-  const Limb& limb = machine.limbs[number];
-  const auto rounded = [](const Eigen::Vector3d& v) { return closure_vector<Scalar>(v); };
+/// A limb of a machine as its closure needs it. Real-time: yes.
+template <typename Scalar>
+ClosureLimb<Scalar> closure_limb(const BasicMachine<Scalar>& machine, std::size_t number) {
+  const BasicLimb<Scalar>& limb = machine.limbs[number];
+  const Eigen::Vector3d slide = limb.slide_sign * machine.pinion_radius * machine.slide_axis;
   ClosureLimb<Scalar> closure;
-  closure.base = rounded(limb.base);
-  closure.radial = rounded(limb.frame.col(0));
-  closure.normal = rounded(limb.frame.col(1));
-  closure.axis = rounded(limb.frame.col(2));
-  closure.plate = rounded(limb.plate);
-  closure.slide = rounded(limb.slide_sign * machine.pinion_radius * machine.slide_axis);
-  closure.rod = {static_cast<Scalar>(limb.rod[0]), static_cast<Scalar>(limb.rod[1])};
-  closure.arm = static_cast<Scalar>(limb.arm);
-  closure.joint_offset = static_cast<Scalar>(limb.joint_offset + (limb.is_strut() ? limb.rod[0] : 0.0));
-  closure.joint_per_mm = static_cast<Scalar>(1.0 / limb.gain);
-  closure.drive = static_cast<Scalar>(static_cast<int>(limb.actuator.drive));
-  closure.ahead = static_cast<Scalar>(limb.ahead);
-  closure.rods = static_cast<Scalar>(limb.actuator.rods);
+  closure.base = closure_vector<Scalar>(limb.base);
+  closure.radial = closure_vector<Scalar>(limb.frame.col(0));
+  closure.normal = closure_vector<Scalar>(limb.frame.col(1));
+  closure.axis = closure_vector<Scalar>(limb.frame.col(2));
+  closure.plate = closure_vector<Scalar>(limb.plate);
+  closure.slide = {Scalar(slide.x()), Scalar(slide.y()), Scalar(slide.z())};
+  closure.rod = limb.rod;
+  closure.arm = limb.arm;
+  closure.joint_offset = limb.joint_offset;
+  if (limb.is_strut()) closure.joint_offset += limb.rod[0];
+  closure.joint_per_mm = Scalar(1.0) / limb.gain;
+  closure.drive = Scalar(static_cast<int>(limb.actuator.drive));
+  closure.ahead = Scalar(limb.ahead);
+  closure.rods = Scalar(limb.actuator.rods);
   if (!limb.has_one_rod()) {
-    closure.elbow_half = rounded(0.5 * limb.elbow_width * limb.elbow_frame.col(2));
-    closure.plate_half = rounded(0.5 * limb.plate_width * limb.plate_frame.col(2));
+    closure.elbow_half = closure_vector<Scalar>(Scalar(0.5) * limb.elbow_width * limb.elbow_frame.col(2));
+    closure.plate_half = closure_vector<Scalar>(Scalar(0.5) * limb.plate_width * limb.plate_frame.col(2));
   }
   return closure;
 }
@@ -55,7 +56,7 @@ inline bool can_settle(const Machine& machine) {
 template <std::size_t N, typename Scalar = double>
 ClosureLimbs<Scalar, N> closure_limbs(const Machine& machine) {
   ClosureLimbs<Scalar, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb<Scalar>(machine, i);
+  for (std::size_t i = 0; i < N; ++i) limbs[i] = limb_of<Scalar>(numbers_of(closure_limb(machine, i)));
   return limbs;
 }
 

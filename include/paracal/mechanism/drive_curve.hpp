@@ -43,6 +43,13 @@ struct TurnCurve {
   /// Where the joint is when it is commanded there.
   Scalar actual(const Scalar& joint) const noexcept { return is_even() ? joint : Scalar(joint + off(joint)); }
 
+  /// How much it moves for what is commanded.
+  Scalar rate(const Scalar& joint) const noexcept {
+    using std::cos, std::sin;
+    const Scalar angle = turning * joint;
+    return Scalar(1) + turning * (sine * cos(angle) - cosine * sin(angle));
+  }
+
   /// The joint to command so that it gets there.
   Scalar commanded(const Scalar& actual) const noexcept {
     return is_even() ? actual : commanded_to(actual, [this](const Scalar& joint) { return off(joint); });

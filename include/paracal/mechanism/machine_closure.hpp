@@ -40,6 +40,36 @@ struct ClosureLimb {
 template <typename Scalar, std::size_t N>
 using ClosureLimbs = std::array<ClosureLimb<Scalar>, N>;
 
+/// Calls task(number) for all numbers of a limb, in their order.
+template <typename Limb, typename Task>
+constexpr void for_each_number(Limb& limb, Task&& task) {
+  for (auto* vector : {&limb.base, &limb.radial, &limb.normal, &limb.axis, &limb.plate, &limb.slide, &limb.elbow_half,
+                       &limb.plate_half}) {
+    for (auto& number : *vector) task(number);
+  }
+  for (auto& number : limb.rod) task(number);
+  for (auto* number : {&limb.arm, &limb.joint_offset, &limb.joint_per_mm, &limb.drive, &limb.rods, &limb.ahead}) {
+    task(*number);
+  }
+}
+
+inline constexpr std::size_t kClosureNumbers = sizeof(ClosureLimb<double>) / sizeof(double);
+
+template <typename Scalar>
+std::array<Scalar, kClosureNumbers> numbers_of(const ClosureLimb<Scalar>& limb) {
+  std::array<Scalar, kClosureNumbers> numbers;
+  for_each_number(limb, [next = numbers.begin()](const Scalar& number) mutable { *next++ = number; });
+  return numbers;
+}
+
+/// The limb of these numbers, which are in any Scalar.
+template <typename Scalar, typename Number>
+ClosureLimb<Scalar> limb_of(const std::array<Number, kClosureNumbers>& numbers) {
+  ClosureLimb<Scalar> limb;
+  for_each_number(limb, [next = numbers.begin()](Scalar& number) mutable { number = static_cast<Scalar>(*next++); });
+  return limb;
+}
+
 /// A commanded pose: O' in {O}, mm; phi of an end-effector on a slide, rad; tilts of a plate that can be turned, rad:
 /// R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
 template <typename Scalar>
@@ -246,6 +276,14 @@ Arms<Scalar, N> closed_arms(const ClosureLimbs<Scalar, Size>& limbs, const Closu
 template <typename Scalar>
 Scalar place_of(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
   return (moves_in_mm(limb) ? joint / limb.joint_per_mm : joint) + limb.joint_offset;
+}
+
+/// Where a joint coordinate takes the drive: the unit vector of an arm; of a rail or strut 1, and travel or length.
+template <typename Scalar>
+ArmDirection<Scalar> arm_at(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
+  const Scalar place = place_of(limb, joint);
+  if (moves_in_mm(limb)) return {Scalar(1), place};
+  return turn_by_any(place);
 }
 
 /// Joint coordinates to command for arms in these directions.

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "paracal/mechanism/differentiable_machine.hpp"
 #include "paracal/mechanism/limb_description.hpp"
-#include "paracal/mechanism/machine.hpp"
 #include "paracal/mechanism/parameter.hpp"
 #include "paracal/mechanism/pose.hpp"
 #include "paracal/mechanism/tolerances.hpp"
@@ -81,7 +81,7 @@ class Robot {
   bool commands_tilt() const { return nominal_.commands_tilt(); }
 
   /// The machine without geometric errors, as the controller assumes it.
-  const Machine& nominal() const { return nominal_; }
+  const DifferentiableMachine& nominal() const { return nominal_; }
 
   /// Every source error of every limb, limb by limb in the order of sources_of().
   std::span<const Parameter> parameters() const { return parameters_; }
@@ -90,7 +90,7 @@ class Robot {
 
  private:
   RobotDescription description_;
-  Machine nominal_;
+  DifferentiableMachine nominal_;
   std::vector<Parameter> parameters_;
 };
 

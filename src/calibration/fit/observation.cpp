@@ -46,7 +46,7 @@ Observation::Observation(const Robot& robot, const Measurements& measurements, c
 }
 
 void Observation::add_joint_readings() {
-  const Machine& nominal = robot_.nominal();
+  const DifferentiableMachine& nominal = robot_.nominal();
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     gap_bases_.push_back(gap_basis(nominal, forward(nominal, joints_[k], start_of(k)).plate, joints_[k]));
   }
@@ -182,11 +182,11 @@ std::shared_ptr<const std::vector<StationState>> Observation::stations(const Eig
 
 std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eigen::VectorXd& unknowns) const {
   struct Answer {
-    Machine machine;
+    DifferentiableMachine machine;
     std::vector<StationState> states = {};
   };
-  const auto answer = std::make_shared<Answer>(Answer{build(robot_, errors(unknowns))});
-  const Machine& machine = answer->machine;
+  const auto answer = std::make_shared<Answer>(Answer{differentiable(robot_, errors(unknowns))});
+  const DifferentiableMachine& machine = answer->machine;
   answer->states.reserve(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     let_interrupt();
@@ -204,7 +204,8 @@ std::shared_ptr<const std::vector<StationState>> Observation::evaluate(const Eig
   return {answer, &answer->states};
 }
 
-StationState Observation::state_of(const Machine& machine, const PlateState& plate, std::size_t station) const {
+StationState Observation::state_of(const DifferentiableMachine& machine, const PlateState& plate,
+                                   std::size_t station) const {
   StationState state{plate, machine.rotation_of(plate.slide), &machine, plate.position};
   if (!gap_bases_.empty()) state.gaps = joint_gaps(machine, plate, joints_[station], gap_bases_[station]);
   return state;

@@ -163,7 +163,7 @@ class Observation {
   /// has none in use.
   Eigen::MatrixXd whitened_rows(std::size_t station, const std::vector<StationState>& stations,
                                 const Eigen::VectorXd& unknowns) const;
-  StationState state_of(const Machine& machine, const PlateState& plate, std::size_t station) const;
+  StationState state_of(const DifferentiableMachine& machine, const PlateState& plate, std::size_t station) const;
   /// @returns motions of no columns where the machine is singular.
   StationMotions motions_at(const StationState& state, std::size_t station) const;
   void add_joint_readings();

@@ -45,7 +45,7 @@ Eigen::Matrix<double, Rows, 1> variances(const Motions<Rows>& G, const Eigen::Ma
 
 }  // namespace
 
-PlateUncertainty::PlateUncertainty(Machine machine, const std::vector<SoughtSource>& parameters,
+PlateUncertainty::PlateUncertainty(DifferentiableMachine machine, const std::vector<SoughtSource>& parameters,
                                    const Eigen::MatrixXd& covariance)
     : machine_(std::move(machine)) {
   if (covariance.size() == 0) return;

@@ -45,7 +45,7 @@ Eigen::MatrixXd turns_of(const Machine& machine, const PlateState& plate, const 
 
 PoseSpread::PoseSpread(const Robot& robot, const SourceErrors& errors, const std::vector<SoughtSource>& parameters,
                        const std::vector<Station>& stations) {
-  const Machine machine = build(robot, errors);
+  const DifferentiableMachine machine = differentiable(robot, errors);
   const auto n = static_cast<Eigen::Index>(parameters.size()), poses = static_cast<Eigen::Index>(stations.size());
   const auto limbs = static_cast<Eigen::Index>(robot.limb_count());
   const Eigen::Index turns = rows_of_a_turn(robot);

@@ -201,7 +201,7 @@ KnownErrors promised(const Robot& robot, const Measurements& given, const Calibr
   return {{}, observation.sought(), inverse_information(root.root()).bottomRightCorner(n, n)};
 }
 
-PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, const Joints& joints,
+PlateMotions plate_jacobian(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints,
                             const std::vector<SoughtSource>& parameters) {
   const ExactJacobian exact = exact_jacobian(machine, plate, joints);
   PlateMotions motions(7, exact.ok ? static_cast<Eigen::Index>(parameters.size()) : 0);
@@ -220,7 +220,7 @@ PlateMotions plate_jacobian(const Machine& machine, const PlateState& plate, con
 namespace {
 
 /// Of a plate that stands there with these joints.
-Eigen::MatrixXd pose_jacobian_at(const Machine& machine, const PlateState& plate, const Joints& joints,
+Eigen::MatrixXd pose_jacobian_at(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints,
                                  const std::vector<SoughtSource>& parameters) {
   const PlateMotions motions = plate_jacobian(machine, plate, joints, parameters);
   if (motions.cols() == 0 && !parameters.empty()) return {};
@@ -232,7 +232,7 @@ Eigen::MatrixXd pose_jacobian_at(const Machine& machine, const PlateState& plate
 
 }  // namespace
 
-Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
+Eigen::MatrixXd pose_jacobian(const DifferentiableMachine& machine, const Joints& joints,
                               const std::vector<SoughtSource>& parameters) {
   const ForwardResult pose = forward(machine, joints);
   return pose.usable() ? pose_jacobian_at(machine, pose.plate, joints, parameters) : Eigen::MatrixXd();
@@ -240,7 +240,7 @@ Eigen::MatrixXd pose_jacobian(const Machine& machine, const Joints& joints,
 
 PredictedPose predict(const Robot& robot, const KnownErrors& known, const Joints& joints,
                       const ForwardOptions& options) {
-  const Machine machine = build(robot, known.errors);
+  const DifferentiableMachine machine = differentiable(robot, known.errors);
   const ForwardResult result = forward(machine, known.drives().actual(joints), options);
   if (!result.usable()) throw Unreachable("no solution: " + why_no_pose(machine, result));
   const Eigen::MatrixXd jacobian = pose_jacobian_at(machine, result.plate, joints, known.parameters);

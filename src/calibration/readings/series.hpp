@@ -38,11 +38,11 @@ struct StationMotions {
 /// Where the machine stands at one station, and how that changes.
 struct StationState {
   PlateState plate;
-  double rotation = 0.0;             ///< phi, rad
-  const Machine* machine = nullptr;  ///< which stands there, of the same answer
-  Eigen::Vector3d derived_at = {};   ///< where the plate centre was when the motions were taken: here, or at the
-                                     ///< nominal machine
-  JointGaps gaps = {};               ///< only where joints are readings
+  double rotation = 0.0;                           ///< phi, rad
+  const DifferentiableMachine* machine = nullptr;  ///< which stands there, of the same answer
+  Eigen::Vector3d derived_at = {};  ///< where the plate centre was when the motions were taken: here, or at the
+                                    ///< nominal machine
+  JointGaps gaps = {};              ///< only where joints are readings
   std::optional<StationMotions> motions = {};  ///< empty where there are too many stations to keep them all
 };
 
