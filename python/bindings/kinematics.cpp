@@ -134,7 +134,7 @@ class Derivatives {
       if (!is_joint_zero(sources_[k].source)) continue;
       const auto at = static_cast<Eigen::Index>(limb);
       const Limb& drive = machine_.limbs[limb];
-      by_joint.col(at) = drive.gain * drive.turn.rate(joints(at)) * by_error.col(columns_[k]);
+      by_joint.col(at) = drive.gain() * drive.turn.rate(joints(at)) * by_error.col(columns_[k]);
     }
     return found.status;
   }

@@ -80,13 +80,11 @@ Expression cos(const Expression& a) {
 }
 
 ArmDirection<Expression> turn_by(const Expression& angle) {
-  if (is_constant(angle)) return turn_by_any(angle);
+  if (is_constant(angle)) return closure::turn_by_any(angle);
   return {Expression(Operation::turn_cosine, {angle}), Expression(Operation::turn_sine, {angle})};
 }
 
-Drive drive_of(const ClosureLimb<Expression>& limb) { return static_cast<Drive>(static_cast<int>(limb.drive->value)); }
-
-std::size_t rod_count(const ClosureLimb<Expression>& limb) { return static_cast<std::size_t>(limb.rods->value); }
+int as_integer(const Expression& constant) { return static_cast<int>(constant->value); }
 
 Expression atan2(const Expression& y, const Expression& x) { return {Operation::arctangent, {y, x}}; }
 

@@ -78,10 +78,7 @@ Expression atan2(const Expression& y, const Expression& x);
 /// Of a size that is not negative, and signs other than those of zeros.
 Expression copysign(const Expression& size, const Expression& sign);
 
-Drive drive_of(const ClosureLimb<Expression>& limb);
-std::size_t rod_count(const ClosureLimb<Expression>& limb);
-
-inline ArmDirection<Expression> turn_by_any(const Expression& angle) { return {cos(angle), sin(angle)}; }
+int as_integer(const Expression& constant);
 
 /// By functions of the template; of a constant its cosine and sine.
 ArmDirection<Expression> turn_by(const Expression& angle);

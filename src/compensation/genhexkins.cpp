@@ -51,9 +51,9 @@ std::string genhexkins(const Robot& robot, const SourceErrors& errors, const Exp
           "turn_sine,turn_cosine",
           i + 1));
     }
-    const double length = rods_at(strut, 0.0)[0], growth = strut.gain;
-    base += coordinates("base", i, strut.base);
-    platform += coordinates("platform", i, strut.plate);
+    const double length = strut.joint_offset, growth = strut.gain();
+    base += coordinates("base", i, as_eigen(strut.base));
+    platform += coordinates("platform", i, as_eigen(strut.plate));
     lengths += fmt::format("#   [JOINT_{}] LENGTH {} GROWTH {}\n", i, length, growth);
     drives += scale("strut", i, 1.0 / growth, -length / growth) + scale("strut-back", i, growth, length);
   }

@@ -82,8 +82,7 @@ inline Lanes atan2(const Lanes& y, const Lanes& x) {
 }
 
 // All lanes hold the same limb.
-inline Drive drive_of(const ClosureLimb<Lanes>& limb) { return static_cast<Drive>(static_cast<int>(limb.drive[0])); }
-inline std::size_t rod_count(const ClosureLimb<Lanes>& limb) { return static_cast<std::size_t>(limb.rods[0]); }
+inline int as_integer(const Lanes& lanes) { return static_cast<int>(lanes[0]); }
 
 inline ArmDirection<Lanes> turn_by_any(const Lanes& angle) {
   ArmDirection<Lanes> turn;

@@ -58,10 +58,13 @@ CompensatorParameters<Scalar> compensator_parameters(const Robot& robot, const S
   parameters.commanded = commanded(identified);
   parameters.held_z.fill(identified.freedoms.holds_z() ? static_cast<Scalar>(identified.guided_z) : Scalar(0));
   for (std::size_t i = 0; i < identified.limb_count; ++i) {
-    parameters.identified[i] = limb_of<Scalar>(numbers_of(closure_limb(identified, i)));
-    parameters.nominal[i] = limb_of<Scalar>(numbers_of(closure_limb<double>(robot.nominal(), i)));
+    parameters.identified[i] = closure_limb<Scalar>(identified, i);
+    parameters.nominal[i] = closure_limb<Scalar>(robot.nominal(), i);
     parameters.drives[i] = in_scalar<Scalar>(drives.of(i), identified.limbs[i].turn);
     if (!identified.is_level) continue;
+    const Eigen::Vector3d radial = radial_of(robot.limbs()[i]);
+    for (std::size_t k = 0; k < 3; ++k)
+      parameters.radial[i][k] = static_cast<Scalar>(radial[static_cast<Eigen::Index>(k)]);
     constexpr std::size_t kEven = ErrorModel::kPosition + ErrorModel::kTilt;  // harmonics are with the drives
     const std::span<const Source> own = sources_of(robot.actuator()).first(kEven);
     for (std::size_t k = 0; k < own.size(); ++k) {

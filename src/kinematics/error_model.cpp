@@ -7,52 +7,34 @@
 #include "linear_closure.hpp"
 #include "numerics/small.hpp"
 #include "paracal/kinematics/inverse.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
+#include "paracal/mechanism/linear_limb.hpp"
 
 namespace paracal {
 namespace {
 
-/// mm that an angle of the actuator counts for: L, or the rod of a limb on a rail, whose arm may be short or none.
-double angle_lever(const Machine& machine) {
-  const Limb& limb = machine.limbs[0];
-  return runs_on_rail(limb.actuator) ? limb.mean_rod() : limb.arm;
-}
-
 /// Fills A and B, limb by limb, in the letters of [huang2016, Eq. (4)].
 template <int N>
-void assemble(const Machine& machine, const Pose& pose, ErrorModel& model) {
+void assemble(const Robot& robot, const Pose& pose, ErrorModel& model) {
+  const Machine& machine = robot.nominal();
   model.A_dd.resize(N, N);
   model.A_de.resize(N, 3);
   model.A_ee.resize(N, 3);
   model.B_d.resize(N, ErrorModel::kPosition);
   model.B_e.resize(N, ErrorModel::kTilt);
-  const Eigen::Vector3d& shat = machine.slide_axis;
-  const double s = machine.slide_of(pose.rotation);
+  const ClosurePose<double> at = closure_pose(pose);
   for (int i = 0; i < N; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double mu = limb.slide_sign;
-    const auto v0 = limb.frame.col(1), w0 = limb.frame.col(2);
-    const auto direction = arm_directions(limb, model.joints(i));
-    const auto& [u1, v1] = direction;
-    const Eigen::Vector3d lever = elbow_lever(limb, model.joints(i), direction);
-    const Eigen::Vector3d a_s = limb.plate + mu * s * shat;
-    const Eigen::Vector3d l = (pose.position + a_s - limb.base - lever).normalized();
-    // Motion of the elbow along the rod when the limb's frame turns about an axis: for an arm sin(th) l.w0 about u0,
-    // -cos(th) l.w0 about v0.
-    const auto turned = [&](const Eigen::Vector3d& axis) { return l.dot(axis.cross(lever)) / angle_lever(machine); };
+    const auto radial = closure_vector<double>(radial_of(robot.limbs()[static_cast<std::size_t>(i)]));
+    const closure::LinearLimb<double> rows =
+        closure::linear_limb<double>(limb, machine.limbs[0], radial, at, limb.turn.actual(model.joints(i)));
+    const auto l = as_eigen(rows.rod);
     model.A_dd.row(i).template head<3>() = l;
-    if constexpr (N == 4) model.A_dd(i, 3) = mu * l.dot(shat);
-    model.A_de.row(i) = a_s.cross(l);
-    model.A_ee.row(i) = w0.cross(l);
-    const double arms = joint_ratio(limb) / joint_ratio(machine.limbs[0]);  // columns count by the first limb's
-    model.B_d.row(i) << arms * l.dot(v1), l.transpose(), l.dot(u1), turned(limb.radial), turned(v0), 1.0;
-    if (has(limb.actuator, "gain")) {
-      const auto column = [&](Source source) { return static_cast<Eigen::Index>(place_in(limb.actuator, source)); };
-      model.B_d(i, column("gain")) = l.dot(v1) * model.joints(i) / kGainLength;
-      model.B_d(i, column("beta0")) = turned(w0);
-    }
-    // The short side at the plate turns about the radial direction, then about its own frame's.
-    const auto u3 = limb.plate_frame.col(0), w3 = limb.plate_frame.col(2);
-    model.B_e.row(i) << 1.0, l.dot(w0), l.dot(limb.radial.cross(w3)), l.dot(u3), -l.dot(v1), l.dot(u1);
+    if constexpr (N == 4) model.A_dd(i, 3) = limb.slide_sign * l.dot(machine.slide_axis);
+    model.A_de.row(i) = as_eigen(rows.A_de);
+    model.A_ee.row(i) = as_eigen(rows.A_ee);
+    model.B_d.row(i) = Eigen::Matrix<double, 1, ErrorModel::kPosition>::Map(rows.B_d.data());
+    model.B_e.row(i) = Eigen::Matrix<double, 1, ErrorModel::kTilt>::Map(rows.B_e.data());
   }
 }
 
@@ -107,7 +89,7 @@ ErrorModel error_model(const Robot& robot, const Pose& pose) noexcept {
   if (!nominal.ok()) return model;
   model.joints = nominal.joints;
   detail::with_pair_count(robot.limb_count(), [&]<int N>() {
-    assemble<N>(robot.nominal(), pose, model);
+    assemble<N>(robot, pose, model);
     solve<N>(robot.nominal(), model);
   });
   return model;

@@ -35,46 +35,54 @@ SourceColumns<6> turned_gradient(const detail::StandingLimb& limb, const std::ve
 template <int N>
 ExactJacobian differentiate(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints) {
   ExactJacobian jacobian;
-  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
+  const detail::Ends<N> ends = detail::ends_of<N>(machine, joints);
+  const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, ends);
   using Factors = detail::SmallCholesky<detail::NormalMatrix<N>>;
   Factors normal(linear.normal());
   if (!normal.ok()) return jacobian;
   bool curves = false;
   if constexpr (N == detail::kAnyLimbs) {
     if (machine.gap_count() > 0 && linear.residual.cwiseAbs().maxCoeff() > detail::kExact) {
-      const Factors curved(linear.normal() + detail::curvature(machine, plate, elbows, linear));
+      const Factors curved(linear.normal() + detail::curvature(machine, plate, ends, linear));
       curves = curved.ok();
       if (curves) normal = curved;
     }
   }
   const PlateRotation<double> turn = plate_rotation(plate.tilt);
+  const double phi = machine.rotation_of(plate.slide);
   jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   int row = 0;
   for (int i = 0; i < detail::limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
     const std::vector<NumberByError>& slopes = machine.by_errors[i];
-    const detail::StandingLimb standing(machine, static_cast<std::size_t>(i), plate, turn.matrix, joints(i));
+    const detail::StandingLimb standing(limb, ends[i], joints(i), phi, turn.matrix);
     const Eigen::Index first = machine.first_parameter[i], count = machine.first_parameter[i + 1] - first;
-    auto columns = jacobian.plate.middleCols(first, count);
-    columns.setZero();
-    for (std::size_t j = 0; j < rod_count(limb); ++j, ++row) {
-      const Eigen::Vector3d& n = linear.direction[row];
-      const auto by_rod = normal.solve(linear.jacobian.row(row).transpose());
-      columns.noalias() -= by_rod.lazyProduct(standing.by_errors(slopes, j == 0 ? 1.0 : -1.0, n));
-      if constexpr (N == detail::kAnyLimbs) {
-        if (!curves) continue;
+    std::array<detail::SourceRow, 2> rods;
+    std::array<detail::Unknowns<N>, 2> by_rod;  // of the plate
+    for (std::size_t j = 0; j < limb.actuator.rods; ++j) {
+      const auto at = row + static_cast<int>(j);
+      rods[j] = standing.by_errors(slopes, j == 0 ? 1.0 : -1.0, linear.direction[at]);
+      by_rod[j] = -normal.solve(linear.jacobian.row(at).transpose());
+    }
+    for (Eigen::Index k = 0; k < count; ++k) {
+      auto column = jacobian.plate.template block<detail::kUnknowns<N>, 1>(0, first + k);
+      column = by_rod[0] * rods[0](k);
+      if (!limb.has_one_rod()) column += by_rod[1] * rods[1](k);
+    }
+    if constexpr (N == detail::kAnyLimbs) {
+      if (curves) {
         SourceColumns<6> gradient =
-            turned_gradient(standing, slopes, static_cast<Eigen::Index>(place_in(limb.actuator, "plate_x")), turn, n,
-                            linear.lever[row], elbows[i].rod[0] + linear.residual(row));
+            turned_gradient(standing, slopes, static_cast<Eigen::Index>(place_in(limb.actuator, "plate_x")), turn,
+                            linear.direction[row], linear.lever[row], ends[i].length[0] + linear.residual(row));
         for (int k = 0; k < 6; ++k) {
           if (linear.held[static_cast<std::size_t>(k)]) gradient.row(k).setZero();
         }
         for (Eigen::Index k = 0; k < count; ++k) {
-          columns.col(k) -= normal.solve(linear.residual(row) * gradient.col(k));
+          jacobian.plate.col(first + k) -= normal.solve(linear.residual(row) * gradient.col(k));
         }
       }
     }
+    row += limb.actuator.rods;
   }
   jacobian.ok = true;
   return jacobian;

@@ -19,19 +19,19 @@ namespace paracal::detail {
 /// and the workspace on which side of them (BasicMachine::hang). In the middle of the workspace where that says
 /// nothing.
 template <int N>
-PlateState level_guess(const Machine& machine, const Elbows<N>& elbows) {
+PlateState level_guess(const Machine& machine, const Ends<N>& ends) {
   PlateState start{.position = machine.range.centre};
   if (machine.hang.isZero(0.0)) return start;
   const int limbs = limbs_of<N>(machine);
   const double share = 1.0 / limbs;
   const auto wrist = [&](int i) -> Eigen::Vector3d {
-    return 0.5 * (elbows[i].joint.front() + elbows[i].joint.back()) - machine.limbs[i].plate;
+    return as_eigen(ends[i].elbow.centre) - as_eigen(machine.limbs[i].plate);
   };
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double square = 0.0, spread = 0.0;
   for (int i = 0; i < limbs; ++i) {
     mean += share * wrist(i);
-    square += share * elbows[i].rod[0] * elbows[i].rod[0];
+    square += share * ends[i].length[0] * ends[i].length[0];
   }
   for (int i = 0; i < limbs; ++i) spread += share * (wrist(i) - mean).squaredNorm();
   start.position = mean + std::sqrt(std::max(square - spread, 0.25 * square)) * machine.hang;
@@ -45,7 +45,7 @@ PlateState level_guess(const Machine& machine, const Elbows<N>& elbows) {
 /// has N equations in position and slide only: a small part of the work of an exact iteration. Far outside the
 /// workspace it may jump to another assembly mode; `start` is returned where it has not settled.
 template <int N>
-PlateState level_start(const Machine& machine, const Elbows<N>& elbows, const PlateState& start) {
+PlateState level_start(const Machine& machine, const Ends<N>& ends, const PlateState& start) {
   constexpr int kIterations = 3;
   constexpr double kSettled = 10.0;  // mm, of the last step
   PlateState plate = start;
@@ -57,7 +57,7 @@ PlateState level_start(const Machine& machine, const Elbows<N>& elbows, const Pl
       const Limb& limb = machine.limbs[i];
       const Eigen::Vector3d slide_direction = limb.slide_sign * machine.slide_axis;
       const Eigen::Vector3d d =
-          plate.position + limb.plate + plate.slide * slide_direction - limb.base - elbows[i].lever;
+          plate.position + as_eigen(limb.plate) + plate.slide * slide_direction - as_eigen(ends[i].elbow.centre);
       const double rod = limb.mean_rod();
       residual(i) = 0.5 * (d.squaredNorm() - rod * rod);
       jacobian.row(i).template head<3>() = d;
@@ -75,11 +75,11 @@ PlateState level_start(const Machine& machine, const Elbows<N>& elbows, const Pl
 template <int N>
 PlateState placed_level(const Machine& machine, const Joints& joints) {
   constexpr int kIterations = 6;
-  const Elbows<N> elbows = elbows_of<N>(machine, joints);
+  const Ends<N> ends = ends_of<N>(machine, joints);
   PlateState plate{.position = machine.range.centre};
   for (int k = 0; k < kIterations; ++k) {
     if constexpr (!kIsLevel<N>) guide(machine, plate);
-    const LinearClosure<N> linear = linearize<N>(machine, plate, elbows);
+    const LinearClosure<N> linear = linearize<N>(machine, plate, ends);
     const auto moves = linear.jacobian.template leftCols<3>();
     Eigen::Matrix3d normal = moves.transpose().lazyProduct(moves);
     for (std::size_t axis = 0; axis < 3; ++axis) {

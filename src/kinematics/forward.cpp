@@ -42,11 +42,11 @@ Factors<N> factorized(const LinearClosure<N>& linear) {
 
 /// The same with the curvature of rods that cannot all have their lengths, near the least squares that they allow.
 template <int N>
-Factors<N> curved(const Machine& machine, const PlateState& plate, const detail::Elbows<N>& elbows,
+Factors<N> curved(const Machine& machine, const PlateState& plate, const detail::Ends<N>& ends,
                   const LinearClosure<N>& linear) {
   if constexpr (N == detail::kAnyLimbs) {
     if (linear.residual.cwiseAbs().maxCoeff() > detail::kExact) {
-      Factors<N> factors(linear.normal() + detail::curvature(machine, plate, elbows, linear));
+      Factors<N> factors(linear.normal() + detail::curvature(machine, plate, ends, linear));
       if (factors.ok()) return factors;
     }
   }
@@ -81,7 +81,7 @@ bool settles(const Factors<N>& factors, double tolerance, double lever, LinearCl
 /// A step, halved while the rods miss by more after it. Near the answer rounding alone makes them do so, and tiny steps
 /// are not judged.
 template <int N>
-void take(const Machine& machine, const detail::Elbows<N>& elbows, double length, Unknowns<N> step,
+void take(const Machine& machine, const detail::Ends<N>& ends, double length, Unknowns<N> step,
           LinearClosure<N>& linear, PlateState& plate) {
   constexpr int kMaxHalvings = 8;
   constexpr double kTiny = 1e-3;  // mm
@@ -89,7 +89,7 @@ void take(const Machine& machine, const detail::Elbows<N>& elbows, double length
   for (int k = 0; k <= kMaxHalvings; ++k, step *= 0.5) {
     PlateState trial = plate;
     advance<N>(trial, step);
-    linear = linearize<N>(machine, trial, elbows);
+    linear = linearize<N>(machine, trial, ends);
     if (k < kMaxHalvings && length > kTiny && linear.residual.squaredNorm() > cost) continue;
     plate = trial;
     return;
@@ -100,28 +100,28 @@ template <int N>
 ForwardResult solve(const Machine& machine, const Joints& joints, const ForwardOptions& options) {
   constexpr double kNear = 1.0;  // mm, of a step
   constexpr int kFar = 4;        // iterations from a far start
-  const double lever = 0.5 * machine.limbs[0].plate_width;
+  const double lever = machine.turn_lever;
   ForwardResult result;
-  const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, joints);
-  result.plate = options.start ? *options.start : detail::level_guess<N>(machine, elbows);
+  const detail::Ends<N> ends = detail::ends_of<N>(machine, joints);
+  result.plate = options.start ? *options.start : detail::level_guess<N>(machine, ends);
   if constexpr (!detail::kIsLevel<N>) {
     detail::guide(machine, result.plate);
   } else {
     // From a good guess, that of a machine which tilts its plate is as far away as the level one.
-    if (!options.start || !machine.tilts_plate) result.plate = detail::level_start<N>(machine, elbows, result.plate);
+    if (!options.start || !machine.tilts_plate) result.plate = detail::level_start<N>(machine, ends, result.plate);
   }
-  LinearClosure<N> linear = linearize<N>(machine, result.plate, elbows);
+  LinearClosure<N> linear = linearize<N>(machine, result.plate, ends);
   double last_step = HUGE_VAL;
   while (result.iterations < options.max_iterations) {
     const bool curves = last_step < kNear || result.iterations >= kFar;
-    const Factors<N> factors = curves ? curved<N>(machine, result.plate, elbows, linear) : factorized<N>(linear);
+    const Factors<N> factors = curves ? curved<N>(machine, result.plate, ends, linear) : factorized<N>(linear);
     const std::optional<Unknowns<N>> newton = newton_step<N>(factors, linear);
     if (!newton) {
       result.status = ForwardStatus::singular;
       break;
     }
     last_step = step_length<N>(*newton, lever);
-    take<N>(machine, elbows, last_step, *newton, linear, result.plate);
+    take<N>(machine, ends, last_step, *newton, linear, result.plate);
     ++result.iterations;
     bool settled = last_step < options.step_tolerance;
     if constexpr (N == 6) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "guides.hpp"
 #include "linear_closure.hpp"
@@ -13,102 +12,57 @@
 namespace paracal {
 namespace {
 
-void take(InverseResult& result, std::size_t limb, const JointSolution& solution) {
-  result.joints(static_cast<Eigen::Index>(limb)) = solution.joint;
-  if (!solution.reached && result.unreachable_limb < 0) {
-    result.status = InverseStatus::unreachable;
-    result.unreachable_limb = static_cast<int>(limb);
-  }
+using MostArms = closure::Arms<double, kMaxLimbs>;
+
+void name_unreachable(InverseResult& result) {
+  const auto joint = std::ranges::find_if_not(result.joints, [](double one) { return std::isfinite(one); });
+  if (joint == result.joints.end()) return;
+  result.status = InverseStatus::unreachable;
+  result.unreachable_limb = static_cast<int>(joint - result.joints.begin());
 }
 
-/// Closed form of six even struts, with all their errors; as solve_joint(), but roots and quotients of all struts
-/// together.
-InverseResult strut_inverse(const Machine& machine, const Pose& pose) {
-  using PerStrut = Eigen::Array<double, 6, 1>;
-  const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
-  PerStrut square, zero, gain;
-  for (Eigen::Index i = 0; i < PerStrut::SizeAtCompileTime; ++i) {
-    const Limb& limb = machine.limbs[static_cast<std::size_t>(i)];
-    square(i) = (pose.position + rotation * limb.plate - limb.base).squaredNorm();
-    zero(i) = limb.rod[0] + limb.joint_offset;
-    gain(i) = limb.gain;
-  }
-  const PerStrut joints = (square.sqrt() - zero) / gain;
-  InverseResult result{.status = InverseStatus::reached, .joints = joints};
-  if (joints.isFinite().all()) return result;
-  for (Eigen::Index i = 0; i < joints.size(); ++i) {
-    take(result, static_cast<std::size_t>(i), {joints(i), std::isfinite(joints(i))});
-  }
-  return result;
-}
-
-/// Closed form of each limb: of its rod, with all its errors, or of the centre line of its parallelogram.
-InverseResult limb_inverse(const Machine& machine, const Pose& pose) {
-  const Eigen::Matrix3d rotation = plate_rotation(pose.tilt).matrix;
-  InverseResult result;
-  result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
-  result.status = InverseStatus::reached;
+/// Closed form of each limb: of its rod, with all its errors, or of the centre line of its parallelogram. All triangles
+/// before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
+/// @param joint_at  the joint of a limb at the plate, from O', in {O}.
+template <typename JointAt>
+[[gnu::flatten]] InverseResult closed_inverse(const Machine& machine, const Pose& pose, const JointAt& joint_at,
+                                              MostArms& arms) {
+  const auto position = closure_vector<double>(pose.position);
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    take(result, i, solve_joint(limb, pose.position + rotation * limb.plate));
+    const ClosureVector<double> at = closure::sum(position, joint_at(limb));
+    arms[i] = closure::close_limb<double>(limb, closure::sum(at, limb.base, -1.0));
   }
+  InverseResult result{.status = InverseStatus::reached, .joints = Joints(machine.limb_count)};
+  double sum = 0.0;  // is finite only where all joints are
+  for (std::size_t i = 0; i < machine.limb_count; ++i) {
+    const double joint = closure::joint_of<double>(machine.limbs[i], arms[i]);
+    result.joints(static_cast<Eigen::Index>(i)) = joint;
+    sum += joint;
+  }
+  if (!std::isfinite(sum)) name_unreachable(result);
   return result;
 }
 
-InverseResult closed_inverse(const Machine& machine, const Pose& pose) {
-  const auto is_strut = [](const Limb& limb) { return limb.is_strut() && limb.turn.is_even(); };
-  const bool six_struts = machine.limb_count == 6 && std::ranges::all_of(std::span(machine.limbs).first(6), is_strut);
-  return six_struts ? strut_inverse(machine, pose) : limb_inverse(machine, pose);
+InverseResult closed_inverse(const Machine& machine, const Pose& pose, MostArms& arms) {
+  if (machine.is_level) {
+    return closed_inverse(
+        machine, pose, [&](const Limb& limb) { return closure::plate_joint<double>(limb, pose.rotation); }, arms);
+  }
+  const auto plate = closure::commanded_plate(closure_pose(pose));
+  return closed_inverse(
+      machine, pose, [&](const Limb& limb) { return plate.turned(limb.plate); }, arms);
 }
 
-/// Closed form on the centre lines of the limbs, plate level.
-InverseResult level_inverse(const Machine& machine, const Pose& pose) {
-  InverseResult result;
-  result.joints.resize(static_cast<Eigen::Index>(machine.limb_count));
-  result.status = InverseStatus::reached;
-  const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
-  if (runs_on_rail(machine.limbs[0].actuator)) {
-    for (std::size_t i = 0; i < machine.limb_count; ++i) {
-      const Limb& limb = machine.limbs[i];
-      take(result, i, solve_joint(limb, pose.position + limb.plate + limb.slide_sign * slide));
-    }
-    return result;
-  }
-  // All triangles before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
-  std::array<ArmDirection<double>, kMaxLimbs> direction;
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const Limb& limb = machine.limbs[i];
-    direction[i] = close_triangle(limb, pose.position + limb.plate + limb.slide_sign * slide);
-  }
-  for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    take(result, i, arm_along(machine.limbs[i], direction[i]));
-  }
-  return result;
-}
-
-/// The closed form, and from there, where it reaches what can be commanded, to the balance of the rods
-/// (machine_closure.hpp).
+/// From the closed form to the balance of the rods (machine_closure.hpp).
 template <std::size_t N>
-InverseResult balanced_inverse(const Machine& machine, const Pose& pose, bool can_be_commanded) {
-  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
-  const ClosurePose<double> commanded = closure_pose(pose);
-  const closure::Arms<double, N> arms =
-      machine.is_level ? closure::closed_arms<N>(limbs, commanded, closure::LevelPlate{})
-                       : closure::closed_arms<N>(limbs, commanded, closure::commanded_plate(commanded));
-  InverseResult result{.status = InverseStatus::reached, .joints = Joints(N)};
-  closure::joints_of(limbs, arms, result.joints);
-  for (std::size_t i = 0; i < N; ++i) take(result, i, solution(result.joints(static_cast<Eigen::Index>(i))));
-  if (result.ok() && can_be_commanded) {
-    ClosureVector<double> tilt{};
-    result.iterations = closure::settle(limbs, commanded, fourth_coordinate(machine), arms, result.joints, tilt);
-    result.tilt = {tilt[0], tilt[1], tilt[2]};
-    if (result.iterations == 0) result.status = InverseStatus::not_converged;
-  }
-  for (std::size_t i = 0; i < N; ++i) {
-    double& joint = result.joints(static_cast<Eigen::Index>(i));
-    joint = machine.limbs[i].turn.commanded(joint);
-  }
-  return result;
+void settle(const Machine& machine, const ClosurePose<double>& pose, const MostArms& arms, InverseResult& result) {
+  closure::Arms<double, N> own;
+  std::copy_n(arms.begin(), N, own.begin());
+  ClosureVector<double> tilt{};
+  result.iterations = closure::settle(machine.limbs, pose, fourth_coordinate(machine), own, result.joints, tilt);
+  result.tilt = as_eigen(tilt);
+  if (result.iterations == 0) result.status = InverseStatus::not_converged;
 }
 
 /// Of any other machine, such as one with spare limbs, by Newton's method on joints and what the parallelograms hold of
@@ -125,14 +79,15 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
   const auto limbs = static_cast<Eigen::Index>(machine.limb_count);
   result.status = InverseStatus::not_converged;
   while (result.iterations < kMaxIterations) {
-    const detail::Elbows<N> elbows = detail::elbows_of<N>(machine, result.joints);
-    const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, elbows);
+    const detail::Ends<N> ends = detail::ends_of<N>(machine, result.joints);
+    const detail::LinearClosure<N> linear = detail::linearize<N>(machine, plate, ends);
+    const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(6, limbs + 6);
     Eigen::Index row = 0;
     for (Eigen::Index i = 0; i < limbs; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const detail::StandingLimb limb(machine, k, plate, plate_rotation(plate.tilt).matrix, result.joints(i));
-      for (std::size_t j = 0; j < rod_count(machine.limbs[k]); ++j, ++row) {
+      const detail::StandingLimb limb(machine.limbs[k], ends[k], result.joints(i), 0.0, rotation);
+      for (std::size_t j = 0; j < machine.limbs[k].actuator.rods; ++j, ++row) {
         system.col(i) +=
             linear.jacobian.row(row).transpose() * limb.by_joint(j == 0 ? 1.0 : -1.0, linear.direction[row]);
       }
@@ -163,16 +118,17 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
 InverseResult inverse(const Machine& machine, const Pose& pose) noexcept {
   const bool turns = pose.rotation != 0.0, leans = machine.is_level && !pose.tilt.isZero(0.0);
   const bool can_be_commanded = (machine.has_slide() || !turns) && !leans && detail::is_free(machine, pose);
-  const bool is_balanced = machine.tilts_plate && can_settle(machine);
-  InverseResult result;
-  if (is_balanced && machine.limb_count == 3) {
-    result = balanced_inverse<3>(machine, pose, can_be_commanded);
-  } else if (is_balanced && machine.limb_count == 4) {
-    result = balanced_inverse<4>(machine, pose, can_be_commanded);
-  } else {
-    result = machine.is_level ? level_inverse(machine, pose) : closed_inverse(machine, pose);
-    if (result.ok() && can_be_commanded && machine.tilts_plate) settle_any(machine, pose, result);
+  MostArms arms;
+  InverseResult result = closed_inverse(machine, pose, arms);
+  const bool settles = result.ok() && can_be_commanded && machine.tilts_plate,
+             is_small = settles && can_settle(machine);
+  if (is_small && machine.limb_count == 3) settle<3>(machine, closure_pose(pose), arms, result);
+  if (is_small && machine.limb_count == 4) settle<4>(machine, closure_pose(pose), arms, result);
+  for (std::size_t i = 0; machine.has_harmonics && i < machine.limb_count; ++i) {
+    double& joint = result.joints(static_cast<Eigen::Index>(i));
+    joint = machine.limbs[i].turn.commanded(joint);
   }
+  if (settles && !is_small) settle_any(machine, pose, result);
   if (!can_be_commanded) result.status = InverseStatus::unreachable;
   return result;
 }

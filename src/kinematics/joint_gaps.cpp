@@ -28,15 +28,15 @@ std::vector<Eigen::Index> free_columns(const Machine& machine) {
 /// de = df / (df / dq) where every rod fits.
 Stand stand(const DifferentiableMachine& machine, const PlateState& plate, const Joints& joints) {
   const Joints fitting = inverse(machine, pose_of(machine, plate)).joints;
-  const Elbows<kAnyLimbs> elbows = elbows_of<kAnyLimbs>(machine, fitting);
-  const LinearClosure<kAnyLimbs> linear = linearize<kAnyLimbs>(machine, plate, elbows);
+  const Ends<kAnyLimbs> ends = ends_of<kAnyLimbs>(machine, fitting);
+  const LinearClosure<kAnyLimbs> linear = linearize<kAnyLimbs>(machine, plate, ends);
   const Eigen::Matrix3d rotation = plate_rotation(plate.tilt).matrix;
   const auto limbs = static_cast<Eigen::Index>(machine.limb_count);
   Stand all{joints - fitting, linear.jacobian(Eigen::all, free_columns(machine)),
             Eigen::MatrixXd::Zero(limbs, static_cast<Eigen::Index>(machine.parameter_count()))};
   for (Eigen::Index i = 0; i < limbs; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const StandingLimb limb(machine, k, plate, rotation, fitting(i));
+    const StandingLimb limb(machine.limbs[k], ends[k], fitting(i), machine.rotation_of(plate.slide), rotation);
     const double per_joint = limb.by_joint(1.0, linear.direction[k]);
     const SourceRow own = limb.by_errors(machine.by_errors[k], 1.0, linear.direction[k]);
     all.by_parameter.row(i).segment(machine.first_parameter[k], own.size()) = own / per_joint;

@@ -38,7 +38,7 @@ template <int N>
 int rods_of(const Machine& machine) {
   if (N != kAnyLimbs) return kMostRods<N>;
   int rods = 0;
-  for (std::size_t i = 0; i < machine.limb_count; ++i) rods += static_cast<int>(rod_count(machine.limbs[i]));
+  for (std::size_t i = 0; i < machine.limb_count; ++i) rods += machine.limbs[i].actuator.rods;
   return rods;
 }
 
@@ -72,33 +72,17 @@ struct LinearClosure {
   std::array<bool, 6> held{};  ///< by guides
 };
 
-/// What of an elbow a limb with one rod needs: where the rod is hinged, and how long it is.
-struct RodEnd {
-  std::array<Eigen::Vector3d, 1> joint;
-  std::array<double, 1> rod;
-};
-
-inline RodEnd rod_end(const Limb& limb, double joint) {
-  if (limb.is_strut()) return {{limb.base}, {rods_at(limb, joint)[0]}};
-  return {{limb.base + elbow_lever(limb, joint, arm_directions(limb, joint))}, {limb.rod[0]}};
-}
-
-/// The elbows of all limbs: fixed while the plate is sought.
+/// The upper ends of the rods of all limbs: fixed while the plate is sought.
 template <int N>
-using Elbows = std::array<std::conditional_t<N == 6, RodEnd, Elbow<double>>, N == kAnyLimbs ? kMaxLimbs : N>;
+inline constexpr std::size_t kEndsALimb = N == 6 ? 1 : 2;
+template <int N>
+using Ends = std::array<closure::UpperEnds<double, kEndsALimb<N>>, N == kAnyLimbs ? kMaxLimbs : N>;
 
 template <int N>
-Elbows<N> elbows_of(const Machine& machine, const Joints& joints) {
-  Elbows<N> elbows;
-  for (int i = 0; i < limbs_of<N>(machine); ++i) {
-    const Limb& limb = machine.limbs[i];
-    if constexpr (N == 6) {
-      elbows[i] = rod_end(limb, joints(i));
-    } else {
-      elbows[i] = elbow_of(limb, joints(i));
-    }
-  }
-  return elbows;
+Ends<N> ends_of(const Machine& machine, const Joints& joints) {
+  Ends<N> ends;
+  for (int i = 0; i < limbs_of<N>(machine); ++i) ends[i] = ends_at<kEndsALimb<N>>(machine.limbs[i], joints(i));
+  return ends;
 }
 
 /// What guides hold does not move: zero columns.
@@ -119,7 +103,7 @@ void advance(PlateState& plate, const Unknowns<N>& step) {
 }
 
 template <int N>
-LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, const Elbows<N>& elbows) {
+LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, const Ends<N>& ends) {
   LinearClosure<N> linear;
   if constexpr (N == kAnyLimbs) {
     linear.residual.resize(rods_of<N>(machine));
@@ -127,17 +111,18 @@ LinearClosure<N> linearize(const Machine& machine, const PlateState& plate, cons
   }
   const PlateRotation<double> rotation = plate_rotation(plate.tilt);
   const Eigen::Vector3d slide_direction = rotation.matrix * machine.slide_axis;
+  const double phi = machine.rotation_of(plate.slide);
   int row = 0;
   for (int i = 0; i < limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
-    const std::array<Eigen::Vector3d, 2> hinges = plate_joints(machine, limb, plate.slide);
-    const int rods = N == kAnyLimbs ? static_cast<int>(rod_count(limb)) : kRodsALimb<N>;
+    const auto lower = closure::lower_ends<kEndsALimb<N>, double>(limb, phi);
+    const int rods = N == kAnyLimbs ? static_cast<int>(limb.actuator.rods) : kRodsALimb<N>;
     for (int j = 0; j < rods; ++j, ++row) {
-      const Eigen::Vector3d lever = rotation.matrix * hinges[j];
-      const Eigen::Vector3d rod = plate.position + lever - elbows[i].joint[j];
+      const Eigen::Vector3d lever = rotation.matrix * as_eigen(lower[j]);
+      const Eigen::Vector3d rod = plate.position + lever - as_eigen(ends[i].place[j]);
       const double length = rod.norm();
       const Eigen::Vector3d n = rod / length;
-      linear.residual(row) = length - elbows[i].rod[j];
+      linear.residual(row) = length - ends[i].length[j];
       linear.jacobian.row(row).template head<3>() = n;
       if constexpr (N == 4) linear.jacobian(row, 3) = limb.slide_sign * n.dot(slide_direction);
       linear.jacobian.row(row).template tail<3>() = rotation.axes.transpose() * lever.cross(n);
@@ -158,15 +143,15 @@ inline constexpr double kExact = 1e-6;
 ///   d2f_j = (D^T D - J_j^T J_j) / |v_j| + n_j . (a_k x (a_l x lever_j)).
 ///
 /// Without it the steps shrink only by the residuals over the stiffness of the rods, which near a singularity is slow.
-inline NormalMatrix<kAnyLimbs> curvature(const Machine& machine, const PlateState& plate,
-                                         const Elbows<kAnyLimbs>& elbows, const LinearClosure<kAnyLimbs>& linear) {
+inline NormalMatrix<kAnyLimbs> curvature(const Machine& machine, const PlateState& plate, const Ends<kAnyLimbs>& ends,
+                                         const LinearClosure<kAnyLimbs>& linear) {
   NormalMatrix<kAnyLimbs> sum = NormalMatrix<kAnyLimbs>::Zero();
   const Eigen::Matrix3d axes = plate_rotation(plate.tilt).axes;
   int row = 0;
   for (int i = 0; i < limbs_of<kAnyLimbs>(machine); ++i) {
-    for (std::size_t j = 0; j < rod_count(machine.limbs[static_cast<std::size_t>(i)]); ++j, ++row) {
+    for (std::size_t j = 0; j < machine.limbs[static_cast<std::size_t>(i)].actuator.rods; ++j, ++row) {
       const auto at = static_cast<std::size_t>(row);
-      const double f = linear.residual(row), length = elbows[static_cast<std::size_t>(i)].rod[j] + f;
+      const double f = linear.residual(row), length = ends[static_cast<std::size_t>(i)].length[j] + f;
       Eigen::Matrix<double, 3, 6> motion = Eigen::Matrix<double, 3, 6>::Identity();
       for (int k = 0; k < 3; ++k) motion.col(3 + k) = axes.col(k).cross(linear.lever[at]);
       const Eigen::Matrix<double, 1, 6> along = linear.direction[at].transpose() * motion;

@@ -6,21 +6,9 @@ namespace paracal::detail {
 
 using closure::dot, closure::scaled;
 
-StandingLimb::StandingLimb(const Machine& machine, std::size_t number, const PlateState& plate,
-                           const Eigen::Matrix3d& rotation, double joint)
-    : kind_(machine.limbs[number].actuator),
-      limb_(closure_limb<double>(machine, number)),
-      rotation_(rotation),
-      phi_(machine.rotation_of(plate.slide)) {
-  const TurnCurve<double>& turn = machine.limbs[number].turn;
-  arm_ = closure::arm_at(limb_, turn.actual(joint));
-  elbow_ = closure::elbow_of(limb_, arm_);
-  by_turn_ = {std::sin(turn.turning * joint), std::cos(turn.turning * joint)};
-}
-
 std::array<double, 2> StandingLimb::levers(double side) const {
   const double u = side * limb_.elbow_half[0], v = side * limb_.elbow_half[1];
-  switch (kind_.drive) {
+  switch (limb_.actuator.drive) {
     case Drive::arm:
       return {u + limb_.arm, v};
     case Drive::rail:
@@ -31,7 +19,7 @@ std::array<double, 2> StandingLimb::levers(double side) const {
 }
 
 double StandingLimb::by_place(double side, const Vector& n) const {
-  switch (kind_.drive) {
+  switch (limb_.actuator.drive) {
     case Drive::arm: {
       const auto [u, v] = levers(side);
       return v * dot(n, elbow_.u1) - u * dot(n, elbow_.v1);
@@ -48,7 +36,7 @@ double StandingLimb::by_joint(double side, const Eigen::Vector3d& n) const {
 }
 
 ClosureLimb<double> StandingLimb::by_numbers(double side, const Vector& n) const {
-  const bool swings = kind_.drive == Drive::arm, is_strut = kind_.drive == Drive::strut;
+  const bool swings = limb_.actuator.drive == Drive::arm, is_strut = limb_.actuator.drive == Drive::strut;
   const double c = swings ? arm_.cosine : 1.0, s = swings ? arm_.sine : 0.0;  // of the turn of u_1 and v_1
   const auto [u, v] = levers(side);
   const Eigen::Vector3d m = rotation_.transpose() * Eigen::Vector3d::Map(n.data());
@@ -77,9 +65,10 @@ SourceRow StandingLimb::by_errors(const std::vector<NumberByError>& slopes, doub
   std::array<double, kClosureNumbers + 2> all;
   std::copy(numbers.begin(), numbers.end(), all.begin());
   const double by_joint = gradient.joint_offset / limb_.joint_per_mm;
-  all[kClosureNumbers] = by_joint * by_turn_[0];
-  all[kClosureNumbers + 1] = by_joint * by_turn_[1];
-  SourceRow row = SourceRow::Zero(1, static_cast<Eigen::Index>(sources_of(kind_).size()));
+  const double angle = limb_.turn.turning * joint_;
+  all[kClosureNumbers] = limb_.turn.is_even() ? 0.0 : by_joint * std::sin(angle);
+  all[kClosureNumbers + 1] = limb_.turn.is_even() ? 0.0 : by_joint * std::cos(angle);
+  SourceRow row = SourceRow::Zero(1, static_cast<Eigen::Index>(sources_of(limb_.actuator).size()));
   for (const NumberByError& one : slopes) row(one.error) += all[one.number] * one.slope;
   return row;
 }

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 
 #include "paracal/kinematics/closure.hpp"
-#include "paracal/mechanism/closure_limb.hpp"
 #include "paracal/mechanism/differentiable_machine.hpp"
 
 namespace paracal::detail {
@@ -20,9 +19,12 @@ using SourceRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, s
 /// in the letters of ClosureLimb.
 class StandingLimb {
  public:
-  /// @param joint  as commanded.
-  StandingLimb(const Machine& machine, std::size_t number, const PlateState& plate, const Eigen::Matrix3d& rotation,
-               double joint);
+  /// @param ends   of its rods at a joint as commanded.
+  /// @param plate  that stands there, and its R.
+  template <std::size_t Rods>
+  StandingLimb(const Limb& limb, const closure::UpperEnds<double, Rods>& ends, double joint, double phi,
+               const Eigen::Matrix3d& rotation)
+      : limb_(limb), arm_(ends.arm), elbow_(ends.elbow), rotation_(rotation), joint_(joint), phi_(phi) {}
 
   /// df / dq: mm of a rod's residual per rad or mm of where the joint is.
   /// @param n  from the upper end of the rod along it.
@@ -40,13 +42,11 @@ class StandingLimb {
   double by_place(double side, const Vector& n) const;
   ClosureLimb<double> by_numbers(double side, const Vector& n) const;
 
-  Actuator kind_;
-  ClosureLimb<double> limb_;
-  ArmDirection<double> arm_;
-  closure::ClosedElbow<double> elbow_;
-  Eigen::Matrix3d rotation_;
-  double phi_;
-  std::array<double, 2> by_turn_;  ///< of sine and cosine of its TurnCurve
+  const Limb& limb_;
+  const ArmDirection<double>& arm_;
+  const closure::ClosedElbow<double>& elbow_;
+  const Eigen::Matrix3d& rotation_;
+  double joint_, phi_;
 };
 
 }  // namespace paracal::detail

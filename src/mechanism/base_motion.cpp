@@ -8,9 +8,10 @@ namespace paracal {
 void shift_limb(const Robot& robot, std::size_t limb, const Eigen::Vector3d& shift, SourceErrors& errors) {
   const Limb& nominal = robot.nominal().limbs[limb];
   if (has(nominal.actuator, "normal")) {
-    errors(limb, "zero") += shift.dot(nominal.frame.col(1));
-    errors(limb, "normal") += shift.dot(nominal.radial);
-    errors(limb, "across") += shift.dot(nominal.sideways);
+    const Eigen::Vector3d along = frame_of(robot.limbs()[limb]).transpose() * shift;
+    errors(limb, "zero") += shift.dot(as_eigen(nominal.normal));
+    errors(limb, "normal") += along.x();
+    errors(limb, "across") += along.z();
     return;
   }
   const Source joint = has(nominal.actuator, "e_x") ? Source("e_x") : Source("base_x");
@@ -48,19 +49,19 @@ SourceErrors turned_base(const Robot& robot, const Eigen::Vector3d& turn) {
   const Machine& machine = robot.nominal();
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d along = limb.frame.transpose() * turn;
+    const Eigen::Vector3d along = limb.frame().transpose() * turn;
     if (limb.has_one_rod()) {
       turn_single_rod(limb.actuator, along, i, errors);
-      shift_limb(robot, i, turn.cross(limb.base), errors);
+      shift_limb(robot, i, turn.cross(as_eigen(limb.base)), errors);
       continue;
     }
-    Eigen::Vector3d shift = turn.cross(limb.base - limb.plate);
+    Eigen::Vector3d shift = turn.cross(as_eigen(limb.base) - as_eigen(limb.plate));
     if (runs_on_rail(limb.actuator)) {
-      const Eigen::Vector3d radial = limb.frame.transpose() * limb.radial;
+      const Eigen::Vector3d radial = limb.frame().transpose() * radial_of(robot.limbs()[i]);
       const double alpha = along.x() / radial.x();
       errors(i, "alpha0") = alpha;
       errors(i, "beta0") = along.z();
-      shift += limb.arm * (along.y() - alpha * radial.y()) * limb.frame.col(2);
+      shift += limb.arm * (along.y() - alpha * radial.y()) * as_eigen(limb.axis);
     } else {
       errors(i, "alpha0") = along.x();
       errors(i, "beta0") = along.y();
@@ -75,7 +76,7 @@ SourceErrors moved_plate(const Robot& robot, const Eigen::Vector3d& shift, const
   SourceErrors errors;
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     const Limb& limb = robot.nominal().limbs[i];
-    const Eigen::Vector3d moved = shift + turn.cross(limb.plate);
+    const Eigen::Vector3d moved = shift + turn.cross(as_eigen(limb.plate));
     if (!limb.has_one_rod()) {
       shift_limb(robot, i, -moved, errors);  // its joints count against each other
       continue;

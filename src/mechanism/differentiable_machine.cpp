@@ -4,7 +4,6 @@
 #include <bit>
 #include <unsupported/Eigen/AutoDiff>
 
-#include "paracal/mechanism/closure_limb.hpp"
 #include "paracal/mechanism/machine_impl.hpp"
 
 namespace paracal {
@@ -33,7 +32,7 @@ std::vector<NumberByError> slopes_of(const BasicMachine<Dual>& machine, std::siz
       slopes.push_back({static_cast<std::uint8_t>(place), static_cast<std::uint8_t>(error), slope});
     }
   };
-  const auto numbers = numbers_of(closure_limb(machine, number));
+  const auto numbers = numbers_of<Dual>(machine.limbs[number]);
   for (std::size_t k = 0; k < numbers.size(); ++k) add(numbers[k], k);
   const TurnCurve<Dual>& turn = machine.limbs[number].turn;
   add(turn.sine, numbers.size());
@@ -44,10 +43,10 @@ std::vector<NumberByError> slopes_of(const BasicMachine<Dual>& machine, std::siz
 }  // namespace
 
 DifferentiableMachine differentiable(const RobotDescription& robot, const SourceErrors& errors) {
-  DifferentiableMachine machine{build(robot, errors)};
   const BasicMachine<Dual> dual = build(robot, with_derivatives(robot.limbs, errors));
-  for (std::size_t i = 0; i < machine.limb_count; ++i) machine.by_errors[i] = slopes_of(dual, i);
-  return machine;
+  std::array<std::vector<NumberByError>, kMaxLimbs> slopes;
+  for (std::size_t i = 0; i < dual.limb_count; ++i) slopes[i] = slopes_of(dual, i);
+  return {build(robot, errors), std::move(slopes)};
 }
 
 DifferentiableMachine differentiable(const Robot& robot, const SourceErrors& errors) {

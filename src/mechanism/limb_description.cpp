@@ -110,7 +110,7 @@ Limbs with_errors(Limbs limbs, const SourceErrors& errors) {
     const auto error = [&](Source source) { return has(limb.kind, source) ? errors(i, source) : 0.0; };
     const detail::NominalLimb nominal{limb, frame_of(limb)};
     if (runs_on_rail(limb.kind)) limb.at_zero = nominal.frame.col(0);  // which is not to turn with its foot
-    limb.base += detail::shift_of_base<double>(nominal, error);
+    limb.base += as_eigen(detail::shift_of_base<double>(nominal, error));
     limb.plate += Eigen::Vector3d(error("plate_x"), error("plate_y"), error("plate_z"));
     limb.length += error("rod_mean") + error("rod_length");
     limb.arm += error("arm_length");

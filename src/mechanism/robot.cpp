@@ -148,16 +148,16 @@ Eigen::Vector3d hang_of(const Machine& machine) {
   const double share = 1.0 / static_cast<double>(machine.limb_count);
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d joint = machine.range.centre + limb.plate;
-    const double q = solve_joint(limb, joint).joint;
-    from_ends += share * (joint - limb.base - elbow_lever(limb, q, arm_directions(limb, q)));
-    rod += share * rods_at(limb, q)[0];
+    const Eigen::Vector3d joint = machine.range.centre + as_eigen(limb.plate);
+    const auto ends = ends_at<1>(limb, joint_to(limb, joint));
+    from_ends += share * (joint - as_eigen(ends.elbow.centre));
+    rod += share * ends.length[0];
   }
   if (from_ends.norm() < kAmong * rod) return Eigen::Vector3d::Zero();
   return from_ends.normalized();
 }
 
-Machine checked_nominal(RobotDescription& description) {
+DifferentiableMachine checked_nominal(RobotDescription& description) {
   if (description.name.empty()) throw InvalidArgument("name: expected a name, got an empty one");
   if (!control_character(description.name).empty())
     throw InvalidArgument("name: expected text, got a control character in it");
@@ -173,10 +173,10 @@ Machine checked_nominal(RobotDescription& description) {
       limits && !(is_limit(limits->speed) && is_limit(limits->acceleration))) {
     throw InvalidArgument("joints: expected a largest speed and acceleration above 0");
   }
-  Machine nominal = build(description, SourceErrors{});
+  const Machine nominal = build(description, SourceErrors{});
   detail::check_closure(nominal, description);
-  nominal.hang = description.hang = hang_of(nominal);
-  return nominal;
+  description.hang = hang_of(nominal);
+  return differentiable(description, SourceErrors{});
 }
 
 std::optional<std::string> absurd_error(const Robot& robot, const SourceErrors& errors, std::size_t limb) {
@@ -208,12 +208,11 @@ Eigen::Matrix<double, 16, 1> shape_of(const Limb& limb) {
   Eigen::Matrix<double, 16, 1> shape;
   Eigen::Index at = 0;
   for (const double joint : {0.3, 0.7}) {
-    const ArmDirections<double> direction = arm_directions(limb, joint);
-    const Eigen::Vector3d bar = limb.elbow_width * limb.elbow_frame.col(2);
-    shape.segment<3>(at) = limb.base + elbow_lever(limb, joint, direction);
-    shape.segment<3>(at + 3) = bar.x() * direction.u1 + bar.y() * direction.v1 + bar.z() * limb.frame.col(2);
-    shape(at + 6) = rods_at(limb, joint)[0];
-    shape(at + 7) = rods_at(limb, joint)[1];
+    const auto ends = ends_at(limb, joint);
+    shape.segment<3>(at) = as_eigen(ends.elbow.centre);
+    shape.segment<3>(at + 3) = as_eigen(ends.place[0]) - as_eigen(ends.place[1]);
+    shape(at + 6) = ends.length[0];
+    shape(at + 7) = ends.length[1];
     at += 8;
   }
   return shape;
@@ -228,8 +227,8 @@ double as_joint_zero(const RobotDescription& robot, std::size_t limb, Source zer
     minus(limb, moved) = -kStep;
     const Limb one = build(robot, plus).limbs[limb], other = build(robot, minus).limbs[limb];
     Eigen::Matrix<double, 22, 1> both;
-    both << shape_of(one) - shape_of(other), one.plate - other.plate,
-        one.plate_width * one.plate_frame.col(2) - other.plate_width * other.plate_frame.col(2);
+    both << shape_of(one) - shape_of(other), as_eigen(one.plate) - as_eigen(other.plate),
+        2.0 * (as_eigen(one.plate_half) - as_eigen(other.plate_half));
     return Eigen::Matrix<double, 22, 1>(both / (2.0 * kStep));
   };
   const auto of_zero = change(zero), of_source = change(source);

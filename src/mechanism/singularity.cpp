@@ -13,6 +13,7 @@
 #include "numerics/dense.hpp"
 #include "numerics/small.hpp"
 #include "paracal/error.hpp"
+#include "paracal/mechanism/closure_limb.hpp"
 #include "paracal/units.hpp"
 
 namespace paracal::detail {
@@ -27,28 +28,15 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMaj
 /// A vector a limb.
 using Vectors = std::array<Eigen::Vector3d, kMaxLimbs>;
 
-/// R of the plate and the axes about which its three angles turn, as columns.
-struct Attitude {
-  Eigen::Matrix3d rotation, axes;
-};
+using Plate = closure::TurnedPlate<double>;
 
-Attitude attitude_of(const Eigen::Vector3d& tilt) {
-  const auto direction = [&](int axis) { return ArmDirection<double>{std::cos(tilt(axis)), std::sin(tilt(axis))}; };
-  const ArmDirection<double> about_x = direction(0);
-  const auto [x, y, z] = plate_columns(about_x, direction(1), direction(2));
-  Attitude attitude;
-  attitude.rotation << x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2];
-  attitude.axes << 1.0, 0.0, z[0], 0.0, about_x.cosine, z[1], 0.0, about_x.sine, z[2];
-  return attitude;
-}
+Plate plate_of(const Pose& pose) { return closure::commanded_plate(closure_pose(pose)); }
 
 /// Joints of the plate in {O}.
-Vectors joints_at(const Machine& machine, const Pose& pose, const Attitude& attitude) {
+Vectors joints_at(const Machine& machine, const Pose& pose, const Plate& plate) {
   Vectors joints;
-  const Eigen::Vector3d slide = machine.slide_of(pose.rotation) * machine.slide_axis;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const Limb& limb = machine.limbs[i];
-    joints[i] = pose.position + attitude.rotation * limb.plate + limb.slide_sign * slide;
+    joints[i] = pose.position + as_eigen(plate.turned(closure::plate_joint<double>(machine.limbs[i], pose.rotation)));
   }
   return joints;
 }
@@ -57,7 +45,7 @@ Vectors joints_at(const Machine& machine, const Pose& pose, const Attitude& atti
 /// where it is negative. A strut is moved by its drive everywhere.
 double reach_of(const Limb& limb, const Eigen::Vector3d& joint) {
   if (limb.is_strut()) return 1.0;
-  const Eigen::Vector3d d = limb.frame.transpose() * (joint - limb.base);
+  const Eigen::Vector3d d = limb.frame().transpose() * (joint - as_eigen(limb.base));
   const double rod = limb.mean_rod(), arm = limb.arm;
   if (runs_on_rail(limb.actuator)) return 1.0 - (std::pow(d.x() + arm, 2) + d.z() * d.z()) / (rod * rod);
   const double K = d.squaredNorm() + arm * arm - rod * rod;  // close_triangle()
@@ -67,7 +55,9 @@ double reach_of(const Limb& limb, const Eigen::Vector3d& joint) {
 /// Of the two positions of an arm that reach a joint the nearer to where it points at zero is meant: it passes from one
 /// to the other in a jump where this changes sign.
 double side_of(const Limb& limb, const Eigen::Vector3d& joint) {
-  return swings_arm(limb.actuator) ? (joint - limb.base).dot(limb.frame.col(1)) / (limb.arm + limb.mean_rod()) : 1.0;
+  return swings_arm(limb.actuator)
+             ? (joint - as_eigen(limb.base)).dot(as_eigen(limb.normal)) / (limb.arm + limb.mean_rod())
+             : 1.0;
 }
 
 /// Unit vectors along the rods, towards the plate.
@@ -75,8 +65,8 @@ Vectors rods_towards(const Machine& machine, const Vectors& joints) {
   Vectors rods;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double q = solve_joint(limb, joints[i]).joint;
-    rods[i] = (joints[i] - limb.base - elbow_lever(limb, q, arm_directions(limb, q))).normalized();
+    const auto elbow = ends_at<1>(limb, joint_to(limb, joints[i])).elbow;
+    rods[i] = (joints[i] - as_eigen(elbow.centre)).normalized();
   }
   return rods;
 }
@@ -95,16 +85,18 @@ Rows hold_level(const Machine& machine, const Vectors& rods) {
 }
 
 /// How rods along n hold what guides leave free to any other plate: n, axes^T (R a x n) / radius of the plate.
-Rows hold(const Machine& machine, const Attitude& attitude, const Vectors& rods, double radius) {
+Rows hold(const Machine& machine, const Plate& plate, const Vectors& rods, double radius) {
   if (machine.is_level) return hold_level(machine, rods);
   std::vector<Eigen::Matrix<double, 1, 6>> all;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Eigen::Vector3d half = 0.5 * limb.plate_width * limb.plate_frame.col(2);
-    for (const double side : limb.has_one_rod() ? std::vector{0.0} : std::vector{1.0, -1.0}) {
-      const Eigen::Vector3d lever = attitude.rotation * (limb.plate + side * half);
+    const auto ends = closure::lower_ends<2, double>(limb, 0.0);
+    for (std::size_t j = 0; j < limb.actuator.rods; ++j) {
+      const ClosureVector<double> lever = plate.turned(ends[j]);
+      const Eigen::RowVector3d moment = as_eigen(lever).cross(rods[i]) / radius;
       all.emplace_back();
-      all.back() << rods[i].transpose(), (attitude.axes.transpose() * lever.cross(rods[i])).transpose() / radius;
+      all.back() << rods[i].transpose(), moment * as_eigen(plate.axes[0]), moment * as_eigen(plate.axes[1]),
+          moment * as_eigen(plate.axes[2]);
     }
   }
   const auto is_free = [&](std::size_t k) { return !machine.has_guides || machine.freedoms.free[k]; };
@@ -124,7 +116,7 @@ Rows level_hold(const Machine& machine, const Vectors& rods) {
   Rows rows(static_cast<Eigen::Index>(machine.limb_count), 3);
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const auto limb = static_cast<std::size_t>(i);
-    rows.row(i) = machine.limbs[limb].frame.col(2).cross(rods[limb]);
+    rows.row(i) = as_eigen(machine.limbs[limb].axis).cross(rods[limb]);
   }
   return rows;
 }
@@ -146,7 +138,7 @@ double smallest_share(const Rows& rows) {
 
 /// "with an arm of 375 mm it needs a rod of 400.0 to 1100.0 mm there": what would reach from the base joint along d.
 std::string rod_needed(const Limb& limb, const Eigen::Vector3d& d) {
-  const Eigen::Vector3d local = limb.frame.transpose() * d;
+  const Eigen::Vector3d local = limb.frame().transpose() * d;
   if (runs_on_rail(limb.actuator)) {
     return fmt::format("its rail needs a rod of at least {:.1f} mm there", std::hypot(local.x() + limb.arm, local.z()));
   }
@@ -176,26 +168,26 @@ using Margins = std::array<double, 4>;
 class Closures {
  public:
   Closures(const Machine& machine, double radius, const Pose& centre) : machine_(machine), radius_(radius) {
-    const Attitude attitude = attitude_of(centre.tilt);
-    const Vectors joints = joints_at(machine, centre, attitude);
+    const Plate plate = plate_of(centre);
+    const Vectors joints = joints_at(machine, centre, plate);
     for (std::size_t i = 0; i < machine.limb_count; ++i) require_reach(centre, i, joints[i]);
     const Vectors rods = rods_towards(machine, joints);
     for (std::size_t i = 0; i < machine.limb_count; ++i) sides_[i] = side_of(machine.limbs[i], joints[i]);
-    hold_ = volume(hold(machine, attitude, rods, radius));
+    hold_ = volume(hold(machine, plate, rods, radius));
     if (machine.is_level) level_ = volume(level_hold(machine, rods));
   }
 
   /// @throws InvalidArgument at a pose that is to be refused.
   Margins checked(const Pose& pose) const {
     Margins margins{1.0, 1.0, 1.0, 1.0};
-    const Attitude attitude = attitude_of(pose.tilt);
-    const Vectors joints = joints_at(machine_, pose, attitude);
+    const Plate plate = plate_of(pose);
+    const Vectors joints = joints_at(machine_, pose, plate);
     for (std::size_t i = 0; i < machine_.limb_count; ++i) {
       margins[0] = std::min(margins[0], require_reach(pose, i, joints[i]));
       margins[1] = std::min(margins[1], require_side(pose, i, joints[i]));
     }
     const Vectors rods = rods_towards(machine_, joints);
-    margins[2] = require_hold(pose, hold(machine_, attitude, rods, radius_), hold_, "move");
+    margins[2] = require_hold(pose, hold(machine_, plate, rods, radius_), hold_, "move");
     if (machine_.is_level) margins[3] = require_hold(pose, level_hold(machine_, rods), level_, "tilt");
     return margins;
   }
@@ -212,7 +204,8 @@ class Closures {
                       runs_on_rail(limb.actuator) ? "square to its rail" : "in line with its arm"));
     }
     throw InvalidArgument(fmt::format("workspace: limb {} cannot reach {}: {}, its rod_mm is {:g}", i + 1,
-                                      standing(machine_, pose), rod_needed(limb, joint - limb.base), limb.mean_rod()));
+                                      standing(machine_, pose), rod_needed(limb, joint - as_eigen(limb.base)),
+                                      limb.mean_rod()));
   }
 
   double require_side(const Pose& pose, std::size_t i, const Eigen::Vector3d& joint) const {

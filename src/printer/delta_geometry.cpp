@@ -23,15 +23,15 @@ struct TowerDerivative {
 };
 
 TowerDerivative tower_derivative(const Limb& limb, Eigen::Index tower, double joint, const Eigen::Vector3d& end) {
-  const Elbow<double> elbow = elbow_of(limb, joint);
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), rod = end - elbow.joint[0];
-  TowerDerivative by{.rod = rod, .joint = -rod.dot(hinge_motion(limb, elbow, 0))};
-  by.numbers(DeltaNumber::radius) = -rod.dot(limb.frame.col(0));
-  if (tower < 2) by.numbers(DeltaNumber::angle + tower) = -rod.dot(up.cross(elbow.joint[0]));
+  const closure::ClosedElbow<double> elbow = ends_at<1>(limb, joint).elbow;
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), rod = end - as_eigen(elbow.centre);
+  TowerDerivative by{.rod = rod, .joint = closure::rod_by_joint<double>(limb, closure_vector<double>(rod), elbow.v1)};
+  by.numbers(DeltaNumber::radius) = -rod.dot(as_eigen(limb.radial));
+  if (tower < 2) by.numbers(DeltaNumber::angle + tower) = -rod.dot(up.cross(as_eigen(elbow.centre)));
   by.numbers(DeltaNumber::rod + tower) = -limb.rod[0];
   if (runs_on_rail(limb.actuator)) return by;
   by.numbers(DeltaNumber::shoulder) = -rod.z();
-  by.numbers(DeltaNumber::arm + tower) = -rod.dot(elbow.arm);
+  by.numbers(DeltaNumber::arm + tower) = -rod.dot(as_eigen(elbow.u1));
   return by;
 }
 
@@ -93,16 +93,18 @@ Machine machine_of(const DeltaGeometry& geometry) {
   machine.has_guides = true;
   for (std::size_t i = 0; i < 3; ++i) {
     Limb& limb = machine.limbs[i];
-    limb.actuator = linear ? Actuator::carriage : Actuator::crank;
-    limb.frame = detail::nominal_frame(geometry.tower_angle[i]);
-    limb.base = geometry.radius * limb.frame.col(0);
-    limb.plate.setZero();
+    limb.set_kind(linear ? Actuator::carriage : Actuator::crank);
+    const Eigen::Matrix3d frame = detail::nominal_frame(geometry.tower_angle[i]);
+    limb.radial = closure_vector<double>(frame.col(0));
+    limb.normal = closure_vector<double>(frame.col(1));
+    limb.axis = closure_vector<double>(frame.col(2));
+    limb.base = closure::scaled(limb.radial, geometry.radius);
     limb.rod.fill(geometry.rod[i]);
     if (!linear) {
-      limb.base.z() = geometry.shoulder[i];
+      limb.base[2] = geometry.shoulder[i];
       limb.arm = geometry.arm[i];
     }
-    limb.joint_offset = solve_joint(limb, {0.0, 0.0, geometry.endstop[i]}).joint;
+    limb.joint_offset = joint_to(limb, {0.0, 0.0, geometry.endstop[i]});
   }
   return machine;
 }
@@ -121,7 +123,8 @@ std::optional<JointDrops> drops_to(const DeltaGeometry& geometry, const Eigen::V
 double endstop_of(const DeltaGeometry& geometry, std::size_t tower, double homed) {
   Limb limb = machine_of(geometry).limbs[tower];
   limb.joint_offset = homed;
-  const Eigen::Vector3d from = elbow_of(limb, 0.0).joint[0];
+  const auto ends = ends_at<1>(limb, 0.0);
+  const auto from = as_eigen(ends.elbow.centre);
   return from.z() - std::sqrt(limb.rod[0] * limb.rod[0] - from.head<2>().squaredNorm());
 }
 
@@ -169,7 +172,10 @@ std::optional<Eigen::Vector3d> nozzle(const DeltaGeometry& geometry, const Joint
   const ForwardResult found = forward(machine, joints, {.step_tolerance = 1e-6, .max_residual = 1e-6});
   const Eigen::Vector3d& p = found.plate.position;
   Eigen::Matrix3d rods;
-  for (Eigen::Index i = 0; i < 3; ++i) rods.col(i) = (p - elbow_of(machine.limbs[i], joints(i)).joint[0]).normalized();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto ends = ends_at<1>(machine.limbs[static_cast<std::size_t>(i)], joints(i));
+    rods.col(i) = (p - as_eigen(ends.elbow.centre)).normalized();
+  }
   return found.ok() && std::abs(rods.determinant()) > kFlat ? std::optional(p) : std::nullopt;
 }
 

@@ -54,8 +54,8 @@ SourceErrors differences(const DeltaGeometry& geometry, const SharedDimensions& 
   for (std::size_t i = 0; i < 3; ++i) {
     const Limb& limb = firmware.limbs[i];
     const double azimuth = design.limb_azimuth[i], radius = design.base_radius - design.plate_radius;
-    errors(i, "e_x") = limb.base.x() - radius * std::cos(azimuth);
-    errors(i, "e_y") = limb.base.y() - radius * std::sin(azimuth);
+    errors(i, "e_x") = limb.base[0] - radius * std::cos(azimuth);
+    errors(i, "e_y") = limb.base[1] - radius * std::sin(azimuth);
     errors(i, "rod_mean") = limb.mean_rod() - design.rod;
     errors(i, "theta_offset") = limb.joint_offset - homed[static_cast<Eigen::Index>(i)];
     if (geometry.actuator == Actuator::linear) {
@@ -63,7 +63,7 @@ SourceErrors differences(const DeltaGeometry& geometry, const SharedDimensions& 
       continue;
     }
     errors(i, "beta0") = geometry.tower_angle[i] - azimuth;  // the arm swings in the tower's plane
-    errors(i, "e_z") = limb.base.z() - origin;
+    errors(i, "e_z") = limb.base[2] - origin;
     errors(i, "arm_length") = limb.arm - design.arm;
   }
   return errors;
@@ -126,8 +126,8 @@ std::vector<CommonError> printer_common_errors(const Robot& robot, bool has_dist
   CommonError rods{.text = "length of the rods", .direction = {}, .std = lengths};
   CommonError arms{.text = "length of the arms", .direction = {}, .std = lengths};
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
-    radius.direction(i, "e_x") = robot.nominal().limbs[i].radial.x();
-    radius.direction(i, "e_y") = robot.nominal().limbs[i].radial.y();
+    radius.direction(i, "e_x") = robot.nominal().limbs[i].radial[0];
+    radius.direction(i, "e_y") = robot.nominal().limbs[i].radial[1];
     rods.direction(i, "rod_mean") = 1.0;
     arms.direction(i, "arm_length") = 1.0;
   }

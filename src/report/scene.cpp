@@ -25,20 +25,22 @@ io::Json limbs_json(const Machine& machine, const Pose& pose, const Joints& join
   const Eigen::Matrix3d turn = plate_rotation(pose.tilt).matrix;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Elbow<double> elbow = elbow_of(limb, joints(static_cast<Eigen::Index>(i)));
-    const auto hinges = plate_joints(machine, limb, machine.slide_of(pose.rotation));
+    const auto upper = ends_at(limb, joints(static_cast<Eigen::Index>(i)));
+    const auto lower = closure::lower_ends<2, double>(limb, pose.rotation);
     io::Json rods = io::Json::array();
-    for (std::size_t j = 0; j < rod_count(limb); ++j) {
-      rods.push_back({rounded(elbow.joint[j]), rounded(Eigen::Vector3d(pose.position + turn * hinges[j]))});
+    for (std::size_t j = 0; j < limb.actuator.rods; ++j) {
+      const Eigen::Vector3d end = pose.position + turn * as_eigen(lower[j]);
+      rods.push_back({rounded(as_eigen(upper.place[j])), rounded(end)});
     }
     const bool swings = swings_arm(limb.actuator);
     if (limb.has_one_rod() && !swings) {  // from the base, or from the carriage
-      limbs.push_back({{"base_mm", rounded(elbow.joint[0])}, {"rods_mm", std::move(rods)}});
+      limbs.push_back({{"base_mm", rounded(as_eigen(upper.elbow.centre))}, {"rods_mm", std::move(rods)}});
       continue;
     }
     // A rail's arm begins where its carriage stands.
-    const Eigen::Vector3d middle = 0.5 * (elbow.joint[0] + elbow.joint[1]);
-    const Eigen::Vector3d base = swings ? limb.base : Eigen::Vector3d(middle + limb.arm * elbow.arm);
+    const Eigen::Vector3d middle = as_eigen(upper.elbow.centre);
+    const Eigen::Vector3d base =
+        swings ? Eigen::Vector3d(as_eigen(limb.base)) : Eigen::Vector3d(middle + limb.arm * as_eigen(upper.elbow.u1));
     limbs.push_back({{"base_mm", rounded(base)}, {"elbow_mm", rounded(middle)}, {"rods_mm", std::move(rods)}});
   }
   return limbs;

@@ -46,7 +46,7 @@ std::vector<Fault> faults_of(const Robot& robot) {
   if (swings_arm(actuator)) faults.push_back(off("arm_length", 40.0));
   if (robot.is_level()) {
     faults.push_back({"e_", [](const Robot& of, std::size_t limb, SourceErrors& errors) {
-                        shift_limb(of, limb, -40.0 * of.nominal().limbs[limb].radial, errors);
+                        shift_limb(of, limb, -40.0 * as_eigen(of.nominal().limbs[limb].radial), errors);
                       }});
   }
   return faults;
@@ -99,7 +99,7 @@ TEST(WrongPart, IsNamedBesideItsEqual) {
   for (int number = 0; number < 12; ++number) {
     const auto limb = static_cast<std::size_t>(number) % 4;
     SourceErrors errors = measured_machine(robot, plan(robot), number, {}).errors;
-    shift_limb(robot, limb, 12.0 * robot.nominal().limbs[limb].radial, errors);
+    shift_limb(robot, limb, 12.0 * as_eigen(robot.nominal().limbs[limb].radial), errors);
     const Calibration found =
         calibrate(robot, measure(robot, errors, plan(robot), number, {.noise = kNoise}), {.states_use = false});
     for (const std::string& note : found.notes) {

@@ -391,8 +391,8 @@ TEST_P(CompensatorLaw, DoubtfulTargetsAreNotTakenFromLanes) {
     const bool reaches = compensate(sound, CompensationWay::exact, rising[k], joints) == CompensationStatus::ok;
     held_back += reaches && !targets[k] ? 1 : 0;
   }
-  // Carriages rise with the plate, arms do not.
-  EXPECT_EQ(held_back > 0, robot.actuator() == Actuator::revolute);
+  // Carriages rise with the plate, arms do not; twisted rods never lie in one plane.
+  EXPECT_EQ(held_back > 0, robot.actuator() == Actuator::revolute && robot.name() != "levelled");
 
   SourceErrors far = errors_of(0);
   far(0, "theta_offset") += robot.actuator() == Actuator::linear ? 120.0 : 0.25;

@@ -91,7 +91,7 @@ TEST(RobotFile, LimbsMayDifferOnPurpose) {
   const Robot robot = read_robot({"robot.toml", own});
   const Machine& nominal = robot.nominal();
   EXPECT_NEAR(nominal.limbs[0].mean_rod(), 950.0 + 3.0, 1e-12);
-  EXPECT_NEAR(nominal.limbs[0].base.z(), 25.0, 1e-12);
+  EXPECT_NEAR(nominal.limbs[0].base[2], 25.0, 1e-12);
   EXPECT_NEAR(nominal.limbs[2].arm, 400.0 - 2.0, 1e-12);
   EXPECT_EQ(nominal.limbs[1].mean_rod(), 950.0);
   SourceErrors errors;

@@ -16,7 +16,9 @@ namespace paracal::derivatives_test {
 namespace {
 
 using test::Random;
-using Dual = Eigen::AutoDiffScalar<Eigen::VectorXd>;
+/// Of a fixed size: Eigen adds no terms whose derivatives are of different sizes, as those of constants are.
+constexpr int kMostDerivatives = static_cast<int>(kMostSources) * kMaxLimbs;
+using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, kMostDerivatives, 1>>;
 
 std::string plate_column(Eigen::Index column) { return "unknown " + std::to_string(column); }
 
@@ -47,8 +49,8 @@ TEST_P(DerivativeLaw, ClosureJacobianAgainstAutomaticDerivatives) {
     if (robot.slide()) plate.slide = random.uniform(-30.0, 30.0);
 
     int next = 0;
-    const auto variable = [&](double value) { return Dual(value, unknowns(), next++); };
-    const auto constant = [&](double value) { return Dual(value, Eigen::VectorXd::Zero(unknowns())); };
+    const auto variable = [&](double value) { return Dual(value, kMostDerivatives, next++); };
+    const auto constant = [&](double value) { return Dual(value, Dual::DerType::Zero()); };
     BasicPlateState<Dual> dual_plate;
     for (int axis = 0; axis < 3; ++axis) dual_plate.position(axis) = variable(plate.position(axis));
     dual_plate.slide = robot.slide() ? variable(plate.slide) : constant(0.0);
@@ -63,11 +65,11 @@ TEST_P(DerivativeLaw, ClosureJacobianAgainstAutomaticDerivatives) {
     const auto dual = rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
 
     detail::with_limb_count(machine, [&]<int N>() {
-      const auto linear = detail::linearize<N>(machine, plate, detail::elbows_of<N>(machine, joints));
+      const auto linear = detail::linearize<N>(machine, plate, detail::ends_of<N>(machine, joints));
       Eigen::MatrixXd automatic(rods(), unknowns());
       for (int row = 0; row < rods(); ++row) {
         EXPECT_NEAR(linear.residual(row), dual(row).value(), 1e-11);
-        automatic.row(row) = dual(row).derivatives();
+        automatic.row(row) = dual(row).derivatives().head(unknowns());
       }
       for (Eigen::Index k = 0; machine.has_guides && k < 6; ++k) {
         if (!machine.freedoms.free[static_cast<std::size_t>(k)]) automatic.col(k).setZero();
@@ -87,12 +89,12 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
     const ForwardResult pose = forward(machine, joints);
     ASSERT_TRUE(pose.usable());
 
-    const auto constant = [&](double value) { return Dual(value, Eigen::VectorXd::Zero(sources())); };
+    const auto constant = [&](double value) { return Dual(value, Dual::DerType::Zero()); };
     BasicSourceErrors<Dual> dual_errors;
     std::array<Dual, kMaxLimbs> dual_joints;
     for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
       for (const Source source : sources_of(robot.actuator())) {
-        dual_errors(limb, source) = Dual(errors(limb, source), sources(), column(limb, source));
+        dual_errors(limb, source) = Dual(errors(limb, source), kMostDerivatives, column(limb, source));
       }
       dual_joints[limb] = constant(joints(static_cast<Eigen::Index>(limb)));
     }
@@ -107,9 +109,9 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
     const ExactJacobian ours = exact_jacobian(machine, pose.plate, joints);
     ASSERT_TRUE(ours.ok);
     detail::with_limb_count(machine, [&]<int N>() {
-      const auto linear = detail::linearize<N>(machine, pose.plate, detail::elbows_of<N>(machine, joints));
+      const auto linear = detail::linearize<N>(machine, pose.plate, detail::ends_of<N>(machine, joints));
       Eigen::MatrixXd by_source = Eigen::MatrixXd::Zero(linear.jacobian.rows(), sources());  // guides have none
-      for (int row = 0; row < rods(); ++row) by_source.row(row) = dual(row).derivatives();
+      for (int row = 0; row < rods(); ++row) by_source.row(row) = dual(row).derivatives().head(sources());
       const Eigen::MatrixXd reference = -detail::shortest_solution(linear.jacobian, by_source);
       EXPECT_TRUE(test::jacobians_agree(ours.plate, reference, 1e-10, [&](Eigen::Index k) { return named(k); }));
     });

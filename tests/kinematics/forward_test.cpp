@@ -22,7 +22,7 @@ class ForwardLaw : public test::EveryRobot {
   /// Norm of J^T f at a plate state, from the kernels, not from what the solver says of itself.
   double gradient_norm(const Machine& machine, const Joints& joints, const PlateState& plate) const {
     return detail::with_limb_count(machine, [&]<int N>() {
-      return detail::linearize<N>(machine, plate, detail::elbows_of<N>(machine, joints)).gradient().norm();
+      return detail::linearize<N>(machine, plate, detail::ends_of<N>(machine, joints)).gradient().norm();
     });
   }
 
@@ -184,10 +184,11 @@ Eigen::Vector3d trilaterate(const Machine& machine, const Joints& joints) {
   std::array<double, 3> radius{};
   for (std::size_t i = 0; i < 3; ++i) {
     const Limb& limb = machine.limbs[i];
-    const double joint = limb.gain * joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;  // an arm's gain is 1
+    const double joint = limb.gain() * joints(static_cast<Eigen::Index>(i)) + limb.joint_offset;  // an arm's gain is 1
     const double along = limb.actuator == Actuator::linear ? -1.0 : std::cos(joint);
     const double up = limb.actuator == Actuator::linear ? joint : limb.arm * std::sin(joint);
-    centre[i] = limb.base + along * limb.arm * limb.frame.col(0) + up * limb.frame.col(1) - limb.plate;
+    centre[i] = as_eigen(limb.base) + along * limb.arm * as_eigen(limb.radial) + up * as_eigen(limb.normal) -
+                as_eigen(limb.plate);
     radius[i] = limb.rod[0];
   }
   const Eigen::Vector3d ex = (centre[1] - centre[0]).normalized();

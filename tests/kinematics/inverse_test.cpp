@@ -47,7 +47,7 @@ TEST_P(InverseLaw, IsClosedFormUnlessSomethingTiltsThePlate) {
 
 TEST_P(InverseLaw, NamesTheLimbThatDoesNotReach) {
   // Far out on the side of limb 1, the opposite limb is too short first.
-  const Eigen::Vector3d far = 1000.0 * robot.nominal().limbs[0].radial + robot.workspace().centre();
+  const Eigen::Vector3d far = 1000.0 * as_eigen(robot.nominal().limbs[0].radial) + robot.workspace().centre();
   const InverseResult result = inverse(robot.nominal(), {far, 0.0});
   EXPECT_EQ(result.status, InverseStatus::unreachable);
   ASSERT_GE(result.unreachable_limb, 0);

@@ -11,7 +11,8 @@ namespace {
 class LimbLaw : public test::EveryRobot {};
 
 Eigen::Vector3d elbow_at(const Limb& limb, double joint) {
-  return limb.base + elbow_lever(limb, joint, arm_directions(limb, joint));
+  const auto ends = ends_at(limb, joint);
+  return as_eigen(ends.elbow.centre);
 }
 
 TEST_P(LimbLaw, JointSolutionPutsTheElbowOneRodAway) {
@@ -20,10 +21,8 @@ TEST_P(LimbLaw, JointSolutionPutsTheElbowOneRodAway) {
     const Pose pose = random.pose(robot);
     for (std::size_t i = 0; i < robot.limb_count(); ++i) {
       const Limb& limb = robot.nominal().limbs[i];
-      const Eigen::Vector3d joint = pose.position + limb.plate;
-      const JointSolution solution = solve_joint(limb, joint);
-      ASSERT_TRUE(solution.reached);
-      EXPECT_NEAR((joint - elbow_at(limb, solution.joint)).norm(), limb.mean_rod(), 1e-10);
+      const Eigen::Vector3d joint = pose.position + as_eigen(limb.plate);
+      EXPECT_NEAR((joint - elbow_at(limb, joint_to(limb, joint))).norm(), limb.mean_rod(), 1e-10);
     }
   }
 }
@@ -35,13 +34,13 @@ TEST_P(LimbLaw, WorkingModeIsTheElbowFurtherOutOrUp) {
   limb.joint_offset = 0.0;
   const bool on_rail = limb.actuator == Actuator::linear;
   for (int k = 0; k < 1000; ++k) {
-    const Eigen::Vector3d joint = random.pose(robot).position + limb.plate;
-    const double found = solve_joint(limb, joint).joint;
+    const Eigen::Vector3d joint = random.pose(robot).position + as_eigen(limb.plate);
+    const double found = joint_to(limb, joint);
     // The other root: the arm mirrored about the direction base joint -> plate joint, the carriage about the height of
     // the plate joint.
-    const Eigen::Vector3d d = joint - limb.base;
-    const double height = d.dot(limb.frame.col(1));
-    const double other = 2.0 * (on_rail ? height : std::atan2(height, d.dot(limb.frame.col(0)))) - found;
+    const Eigen::Vector3d d = joint - as_eigen(limb.base);
+    const double height = d.dot(as_eigen(limb.normal));
+    const double other = 2.0 * (on_rail ? height : std::atan2(height, d.dot(as_eigen(limb.radial)))) - found;
     ASSERT_NEAR((joint - elbow_at(limb, other)).norm(), limb.mean_rod(), 1e-9);
     EXPECT_GT(on_rail ? found : std::cos(found), on_rail ? other : std::cos(other));
   }
@@ -49,18 +48,16 @@ TEST_P(LimbLaw, WorkingModeIsTheElbowFurtherOutOrUp) {
 
 TEST_P(LimbLaw, OutOfReachIsSaidNotGuessed) {
   const Limb& limb = robot.nominal().limbs[0];
-  const Eigen::Vector3d far = (limb.arm + limb.mean_rod() + 1.0) * (limb.frame.col(2) - limb.frame.col(1));
-  const JointSolution solution = solve_joint(limb, limb.base + far);
-  EXPECT_FALSE(solution.reached);
-  EXPECT_TRUE(std::isnan(solution.joint));
+  const Eigen::Vector3d far = (limb.arm + limb.mean_rod() + 1.0) * (as_eigen(limb.axis) - as_eigen(limb.normal));
+  EXPECT_TRUE(std::isnan(joint_to(limb, as_eigen(limb.base) + far)));
 }
 
 TEST_P(LimbLaw, JointOffsetIsSubtractedFromTheCommand) {
   Limb limb = robot.nominal().limbs[0];
-  const Eigen::Vector3d joint = robot.workspace().centre() + limb.plate;
-  const double without = solve_joint(limb, joint).joint;
+  const Eigen::Vector3d joint = robot.workspace().centre() + as_eigen(limb.plate);
+  const double without = joint_to(limb, joint);
   limb.joint_offset += 0.01;
-  EXPECT_NEAR(solve_joint(limb, joint).joint, without - 0.01, 1e-12);
+  EXPECT_NEAR(joint_to(limb, joint), without - 0.01, 1e-12);
 }
 
 PARACAL_ON_EVERY_ROBOT(LimbLaw);

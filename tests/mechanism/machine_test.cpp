@@ -20,11 +20,11 @@ TEST(Machine, NominalFramesAreRadialVerticalAndAcross) {
   for (std::size_t i = 0; i < 4; ++i) {
     const double g = *robot.limbs()[i].azimuth;
     const Limb& limb = robot.nominal().limbs[i];
-    EXPECT_TRUE(limb.frame.col(0).isApprox(Vector3d(std::cos(g), std::sin(g), 0)));
-    EXPECT_TRUE(limb.frame.col(1).isApprox(Vector3d(0, 0, 1)));
-    EXPECT_TRUE(limb.frame.col(2).isApprox(Vector3d(std::sin(g), -std::cos(g), 0)));
-    EXPECT_TRUE(limb.base.isApprox(200.0 * limb.frame.col(0)));
-    EXPECT_TRUE(limb.plate.isApprox(75.0 * limb.frame.col(0)));
+    EXPECT_TRUE(limb.frame().col(0).isApprox(Vector3d(std::cos(g), std::sin(g), 0)));
+    EXPECT_TRUE(limb.frame().col(1).isApprox(Vector3d(0, 0, 1)));
+    EXPECT_TRUE(limb.frame().col(2).isApprox(Vector3d(std::sin(g), -std::cos(g), 0)));
+    EXPECT_TRUE(as_eigen(limb.base).isApprox(200.0 * limb.frame().col(0)));
+    EXPECT_TRUE(as_eigen(limb.plate).isApprox(75.0 * limb.frame().col(0)));
   }
 }
 
@@ -43,12 +43,12 @@ TEST(Machine, ErrorsEnterAsInEquation1) {
     const Matrix3d elbow = turn(x, e("alpha2")) * turn(y, e("beta2"));
     const Matrix3d plate =
         turn(z, g) * turn(x, quarter + e("alpha0") - e("alpha03")) * turn(y, e("beta0") - e("beta03"));
-    EXPECT_TRUE(limb.frame.isApprox(base, 1e-14));
-    EXPECT_TRUE(limb.elbow_frame.isApprox(elbow, 1e-14));
-    EXPECT_TRUE(limb.plate_frame.isApprox(plate, 1e-14));
+    const double width = robot.limbs()[i].width;
+    EXPECT_TRUE(limb.frame().isApprox(base, 1e-14));
+    EXPECT_TRUE(as_eigen(limb.elbow_half).isApprox(0.5 * (width + e("width_difference")) * elbow.col(2), 1e-14));
+    EXPECT_TRUE(as_eigen(limb.plate_half).isApprox(0.5 * width * plate.col(2), 1e-14));
     EXPECT_NEAR(limb.rod[0] - limb.rod[1], e("rod_difference"), 1e-12);
     EXPECT_NEAR(limb.mean_rod(), 950.0 + e("rod_mean"), 1e-12);
-    EXPECT_NEAR(limb.elbow_width - limb.plate_width, e("width_difference"), 1e-12);
     EXPECT_EQ(limb.joint_offset, e("theta_offset"));
     EXPECT_EQ(limb.arm, 375.0 + e("arm_length"));
   }
@@ -65,14 +65,15 @@ TEST(Machine, RailsLeanByTheirAngles) {
     const auto e = [&](Source source) { return errors(i, source); };
     const Limb& limb = machine.limbs[i];
     const Limb& nominal = robot.nominal().limbs[i];
-    const Vector3d u0 = nominal.frame.col(0), v0 = nominal.frame.col(1), w0 = nominal.frame.col(2);
+    const Vector3d u0 = as_eigen(nominal.radial), v0 = as_eigen(nominal.normal), w0 = as_eigen(nominal.axis);
     EXPECT_TRUE(
-        limb.frame.isApprox(turn(u0, e("alpha0")) * nominal.frame * turn(Vector3d::UnitZ(), e("beta0")), 1e-14));
-    EXPECT_TRUE(
-        limb.plate_frame.col(2).isApprox(turn(u0, e("alpha0") - e("alpha03")) * turn(v0, -e("beta03")) * w0, 1e-14));
+        limb.frame().isApprox(turn(u0, e("alpha0")) * nominal.frame() * turn(Vector3d::UnitZ(), e("beta0")), 1e-14));
+    EXPECT_TRUE(as_eigen(limb.plate_half)
+                    .normalized()
+                    .isApprox(turn(u0, e("alpha0") - e("alpha03")) * turn(v0, -e("beta03")) * w0, 1e-14));
     EXPECT_EQ(limb.joint_offset, e("theta_offset"));
     EXPECT_EQ(limb.arm, 20.0);
-    EXPECT_EQ(limb.gain, 1.0 + e("gain") / 1000.0);
+    EXPECT_DOUBLE_EQ(limb.gain(), 1.0 + e("gain") / 1000.0);
   }
 }
 

@@ -121,12 +121,12 @@ TEST_P(NominalErrors, AreErrorsOfTheMachine) {
   const Machine one = build(design, more), other = build(robot, nominal + more);
   for (std::size_t i = 0; i < robot.limb_count(); ++i) {
     const Limb &a = one.limbs[i], &b = other.limbs[i];
-    EXPECT_LT((a.base - b.base).norm() + (a.plate - b.plate).norm(), 1e-12);
+    EXPECT_LT((as_eigen(a.base) - as_eigen(b.base)).norm() + (as_eigen(a.plate) - as_eigen(b.plate)).norm(), 1e-12);
     EXPECT_LT(std::abs(a.rod[0] - b.rod[0]) + std::abs(a.rod[1] - b.rod[1]) + std::abs(a.arm - b.arm), 1e-12);
-    EXPECT_LT(std::abs(a.joint_offset - b.joint_offset) + std::abs(a.gain - b.gain), 1e-12);
-    EXPECT_LT((a.plate_frame - b.plate_frame).norm(), 1e-14);
+    EXPECT_LT(std::abs(a.joint_offset - b.joint_offset) + std::abs(a.gain() - b.gain()), 1e-12);
+    EXPECT_LT((as_eigen(a.plate_half) - as_eigen(b.plate_half)).norm(), 1e-12);
     if (a.is_strut()) continue;  // its frame is a name for directions: nothing of its closure
-    EXPECT_LT((a.frame - b.frame).norm(), 1e-14);
+    EXPECT_LT((a.frame() - b.frame()).norm(), 1e-14);
   }
 }
 

@@ -63,7 +63,7 @@ std::optional<Signs> signs_at(const Machine& machine, const Pose& pose) {
     return (lengths(machine, one, reached.joints) - lengths(machine, other, reached.joints)) / (2.0 * step);
   };
   constexpr double kMm = 1e-3, kRad = 1e-5;
-  const double lever = machine.limbs[0].plate_width;
+  const double lever = 2.0 * machine.turn_lever;
   Eigen::MatrixXd all(!machine.is_level ? n : 2 * n, 7);
   for (int k = 0; k < 3; ++k) {
     all.col(k) = by_plate([k](PlateState& p) -> double& { return p.position(k); }, kMm);

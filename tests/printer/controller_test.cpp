@@ -79,7 +79,8 @@ TEST(PrinterController, HoldsWhatTheFirmwareHoldsHoweverThePartsAreDrawn) {
     const Machine drawn = build(printer.robot, printer.design);
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_NEAR(drawn.limbs[i].mean_rod(), mean_of(like.rod), 1e-9);
-      EXPECT_NEAR(drawn.limbs[i].base.head<2>().norm() - drawn.limbs[i].plate.norm(), like.radius, 1e-9);
+      EXPECT_NEAR(as_eigen(drawn.limbs[i].base).head<2>().norm() - as_eigen(drawn.limbs[i].plate).norm(), like.radius,
+                  1e-9);
       EXPECT_NEAR(drawn.limbs[i].joint_offset, 0.0, 1e-9);
     }
   }

@@ -67,7 +67,7 @@ TEST_P(ReportFigures, TheSceneClosesItsLimbs) {
         const Eigen::Vector3d arm = vector_of(limb["elbow_mm"]) - vector_of(limb.at("base_mm"));
         EXPECT_NEAR(arm.norm(), sizes_of(robot.limbs()).arm, 0.01);
       }
-      const double length = elbow_of(robot.nominal().limbs[i], joints(static_cast<Eigen::Index>(i))).rod[0];
+      const double length = ends_at(robot.nominal().limbs[i], joints(static_cast<Eigen::Index>(i))).length[0];
       for (const Json& rod : limb.at("rods_mm")) {
         EXPECT_NEAR((vector_of(rod[1]) - vector_of(rod[0])).norm(), length, 0.01);
       }

@@ -202,10 +202,10 @@ Eigen::Vector2d crossing_of_circles(const Machine& machine, const Joints& joints
   std::array<double, 2> radius{};
   for (std::size_t i = 0; i < 2; ++i) {
     const Limb& limb = machine.limbs[i];
-    const Elbow<double> elbow = elbow_of(limb, joints(static_cast<Eigen::Index>(i)));
-    const Eigen::Vector3d about = elbow.joint[0] - limb.plate;
+    const auto ends = ends_at(limb, joints(static_cast<Eigen::Index>(i)));
+    const Eigen::Vector3d about = as_eigen(ends.place[0]) - as_eigen(limb.plate);
     centre[i] = about.head<2>();
-    radius[i] = std::sqrt(std::pow(elbow.rod[0], 2) - std::pow(machine.guided_z - about.z(), 2));
+    radius[i] = std::sqrt(std::pow(ends.length[0], 2) - std::pow(machine.guided_z - about.z(), 2));
   }
   const Eigen::Vector2d way = centre[1] - centre[0], along = way.normalized(), across(-along.y(), along.x());
   const double x = (way.squaredNorm() + std::pow(radius[0], 2) - std::pow(radius[1], 2)) / (2.0 * way.norm());
@@ -350,10 +350,10 @@ TEST(GuidedRobots, ThreeCarriagesAreALinearDeltaByItsCentreLines) {
   for (const Limb& limb : delta.nominal().limbs) {
     if (limbs.size() == 3) break;
     LimbDescription& one = limbs.emplace_back();
-    one.base = limb.base - limb.arm * limb.frame.col(0);
-    one.plate = limb.plate;
+    one.base = as_eigen(limb.base) - limb.arm * as_eigen(limb.radial);
+    one.plate = as_eigen(limb.plate);
     one.length = limb.rod[0];
-    one.axis = limb.frame.col(1);
+    one.axis = as_eigen(limb.normal);
     one.kind = Actuator::carriage;
   }
   RobotDescription described;

@@ -162,7 +162,7 @@ class Measured : public testing::Test {
         const Limb& limb = machine.limbs[i];
         const double joint = (*readings.stations[reading.station].believed)(static_cast<Eigen::Index>(i));
         residuals(static_cast<Eigen::Index>(6 * reading.station + i)) =
-            (centre + carrier * limb.plate - limb.base).norm() - rods_at(limb, joint)[0];
+            (centre + carrier * as_eigen(limb.plate) - as_eigen(limb.base)).norm() - ends_at(limb, joint).length[0];
       }
     }
     return residuals;

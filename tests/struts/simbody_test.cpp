@@ -31,15 +31,15 @@ std::array<double, 9> rows_of(const Eigen::Matrix3d& matrix) {
 
 test::AssembledLimb assembled_limb(const Limb& limb, double joint) {
   using Motor = test::AssembledLimb::Motor;
-  const double place = limb.joint_offset + limb.gain * joint;
+  const double place = limb.joint_offset + limb.gain() * joint;
   test::AssembledLimb made{.motor = Motor::none,
                            .frame = rows_of(Eigen::Matrix3d::Identity()),
-                           .base = in_metres(limb.base),
+                           .base = in_metres(as_eigen(limb.base)),
                            .coordinate = place,
                            .arm = limb.arm / kMetre,
-                           .plate = in_metres(limb.plate),
+                           .plate = in_metres(as_eigen(limb.plate)),
                            .length = limb.rod[0] / kMetre};
-  const Eigen::Matrix3d& frame = limb.frame;
+  const Eigen::Matrix3d frame = limb.frame();
   switch (limb.actuator.drive) {
     case Drive::arm:
       made.motor = Motor::turns;
@@ -54,7 +54,7 @@ test::AssembledLimb assembled_limb(const Limb& limb, double joint) {
       break;
     }
     default:
-      made.length += place / kMetre;
+      made.length = place / kMetre;
   }
   return made;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -55,9 +56,13 @@ RobotDescription boxed() {
   return robot;
 }
 
+/// Its joints at the plate do not stand before their limbs.
 RobotDescription levelled() {
   RobotDescription robot = catalogue::rotary_delta().description();
   robot.name = "levelled";
+  for (LimbDescription& limb : robot.limbs) {
+    limb.plate = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()) * limb.plate;
+  }
   robot.workspace = Workspace::of_levels({{-800.0, 300.0}, {-900.0, 480.0}, {-1050.0, 350.0}});
   return robot;
 }

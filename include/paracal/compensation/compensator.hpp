@@ -1,9 +1,9 @@
 #pragma once
 
 // The compensator that runs in a controller: from a commanded pose to the joint coordinates that bring the identified
-// machine there. This header, machine_closure.hpp, limb_closure.hpp and drive_curve.hpp need only the standard library
-// and may be copied alone. Everything in them is real-time safe: noexcept, no allocation, no lock, no exception, no
-// unbounded loop, no state between calls.
+// machine there. This header, machine_closure.hpp, limb_closure.hpp, linear_limb.hpp and drive_curve.hpp need only the
+// standard library and may be copied alone. Everything in them is real-time safe: noexcept, no allocation, no lock, no
+// exception, no unbounded loop, no state between calls.
 //
 // Its parameters are computed once, outside the control thread, by compensator_parameters (parameters.hpp).
 
@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "paracal/mechanism/drive_curve.hpp"
+#include "paracal/mechanism/linear_limb.hpp"
 #include "paracal/mechanism/machine_closure.hpp"
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -38,6 +39,8 @@ struct CompensatorParameters {
   std::array<std::array<Scalar, 8>, kLevelLimbs> position_errors{};
   /// dp_e of each limb, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
   std::array<std::array<Scalar, 6>, kLevelLimbs> tilt_errors{};
+  /// Of each limb, nominal: the axis about which alpha0 and alpha3 turn (radial_of()), in {O}.
+  std::array<ClosureVector<Scalar>, kLevelLimbs> radial{};
   std::array<DriveCurve<Scalar>, kCompensatorLimbs> drives{};
   std::array<Scalar, 2> held_z{};  ///< twice where guides hold z, mm
   std::uint32_t limb_count = 0;
@@ -120,49 +123,6 @@ CompensationStatus exact(const CompensatorParameters<Scalar>& parameters, const 
   return CompensationStatus::singular;
 }
 
-/// Rows of the linear error model of one limb at a pose, nominal [huang2016, Eq. (4)].
-template <typename Scalar>
-struct LinearLimb {
-  std::array<Scalar, 8> B_d;  ///< of dp_d (CompensatorParameters::position_errors)
-  std::array<Scalar, 6> B_e;  ///< of dp_e (CompensatorParameters::tilt_errors)
-  Vector<Scalar> A_de, A_ee;  ///< mm and 1
-  Scalar by_joint;            ///< B_m, mm per rad or mm
-  Vector<Scalar> rod;         ///< l, unit vector
-};
-
-template <typename Scalar>
-Vector<Scalar> unit(const Vector<Scalar>& v) noexcept {
-  return scaled(v, Scalar(1) / std::sqrt(dot(v, v)));
-}
-
-/// @param first  its arm (on a rail its rod) scales angles to lengths.
-template <typename Scalar>
-LinearLimb<Scalar> linear_limb(const ClosureLimb<Scalar>& limb, const ClosureLimb<Scalar>& first,
-                               const CompensatorPose<Scalar>& pose, Scalar joint) noexcept {
-  const bool on_rail = closure::drive_of(limb) == Drive::rail;
-  const Scalar place = place_of(limb, joint);
-  const Scalar c = on_rail ? Scalar(1) : std::cos(place), s = on_rail ? place : std::sin(place);
-  const auto [u1, v1, elbow] = elbow_of(limb, {c, s});
-  const Vector<Scalar> a = plate_joint(limb, pose.phi), lever = sum(elbow, limb.base, Scalar(-1));
-  const Vector<Scalar> l = unit(sum(sum({pose.x, pose.y, pose.z}, a), elbow, Scalar(-1)));
-  const Scalar lu = dot(l, u1), lv = dot(l, v1), lw = dot(l, limb.axis);
-  // How far the elbow goes along the rod when the frame turns about an axis: first the radial one, on which the plate
-  // joint stands, then the arm's normal or the actuator's axis.
-  const auto turned = [&](const Vector<Scalar>& axis) {
-    return dot(l, cross(axis, lever)) / (on_rail ? first.rod[0] : first.arm);
-  };
-  const Vector<Scalar> radial = unit(limb.plate);
-  // The short side at the plate turns about the radial direction, then about the normal of its own frame.
-  const Vector<Scalar> w3 = unit(limb.plate_half), u3 = cross(unit(cross(w3, radial)), w3);
-  return {{on_rail ? lv : lv * (limb.arm / first.arm), l[0], l[1], l[2], on_rail ? lv * joint / Scalar(1000) : lu,
-           turned(radial), turned(on_rail ? limb.axis : limb.normal), Scalar(1)},
-          {Scalar(1), lw, dot(l, cross(radial, w3)), dot(l, u3), -lv, lu},
-          cross(a, l),
-          cross(limb.axis, l),
-          on_rail ? lv / limb.joint_per_mm : limb.arm * lv,
-          l};
-}
-
 template <typename Scalar, std::size_t Size>
 Scalar inner(const std::array<Scalar, Size>& a, const std::array<Scalar, Size>& b) noexcept {
   Scalar value{};
@@ -190,7 +150,7 @@ CompensationStatus linear(const CompensatorParameters<Scalar>& parameters, const
   if (!level_inverse<N>(parameters.nominal, pose, joints)) return CompensationStatus::unreachable;
   std::array<LinearLimb<Scalar>, N> limbs;
   for (std::size_t i = 0; i < N; ++i)
-    limbs[i] = linear_limb(parameters.nominal[i], parameters.nominal[0], pose, joints[i]);
+    limbs[i] = linear_limb(parameters.nominal[i], parameters.nominal[0], parameters.radial[i], pose, joints[i]);
   if (parameters.tilts_plate != 0) {
     const std::array<Vector<Scalar>, N> columns = tilt_by_limb<N>(limbs);
     for (std::size_t i = 0; i < N; ++i) tilt = sum(tilt, columns[i], inner(limbs[i].B_e, parameters.tilt_errors[i]));

@@ -68,7 +68,7 @@ CompensationStatus stated_uncertainty(const CompensatorParameters<Scalar>& param
   if (!level_inverse<N>(parameters.nominal, pose, joints)) return CompensationStatus::unreachable;
   std::array<LinearLimb<Scalar>, N> limbs;
   for (std::size_t i = 0; i < N; ++i)
-    limbs[i] = linear_limb(parameters.nominal[i], parameters.nominal[0], pose, joints[i]);
+    limbs[i] = linear_limb(parameters.nominal[i], parameters.nominal[0], parameters.radial[i], pose, joints[i]);
   const std::array<RodMotion<Scalar>, 2 * N> by_group = pose_by_group<N>(parameters, limbs);
 
   std::array<Scalar, 4> variance{};

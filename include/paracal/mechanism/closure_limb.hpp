@@ -5,38 +5,6 @@
 
 namespace paracal {
 
-template <typename Scalar>
-ClosureVector<Scalar> closure_vector(const Vector3<Scalar>& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-/// A limb of a machine as its closure needs it. Real-time: yes.
-template <typename Scalar>
-ClosureLimb<Scalar> closure_limb(const BasicMachine<Scalar>& machine, std::size_t number) {
-  const BasicLimb<Scalar>& limb = machine.limbs[number];
-  const Eigen::Vector3d slide = limb.slide_sign * machine.pinion_radius * machine.slide_axis;
-  ClosureLimb<Scalar> closure;
-  closure.base = closure_vector<Scalar>(limb.base);
-  closure.radial = closure_vector<Scalar>(limb.frame.col(0));
-  closure.normal = closure_vector<Scalar>(limb.frame.col(1));
-  closure.axis = closure_vector<Scalar>(limb.frame.col(2));
-  closure.plate = closure_vector<Scalar>(limb.plate);
-  closure.slide = {Scalar(slide.x()), Scalar(slide.y()), Scalar(slide.z())};
-  closure.rod = limb.rod;
-  closure.arm = limb.arm;
-  closure.joint_offset = limb.joint_offset;
-  if (limb.is_strut()) closure.joint_offset += limb.rod[0];
-  closure.joint_per_mm = Scalar(1.0) / limb.gain;
-  closure.drive = Scalar(static_cast<int>(limb.actuator.drive));
-  closure.ahead = Scalar(limb.ahead);
-  closure.rods = Scalar(limb.actuator.rods);
-  if (!limb.has_one_rod()) {
-    closure.elbow_half = closure_vector<Scalar>(Scalar(0.5) * limb.elbow_width * limb.elbow_frame.col(2));
-    closure.plate_half = closure_vector<Scalar>(Scalar(0.5) * limb.plate_width * limb.plate_frame.col(2));
-  }
-  return closure;
-}
-
 /// What can be commanded besides x, y and z on limbs with two rods: one angle of the plate, or its slide.
 inline std::size_t fourth_coordinate(const Machine& machine) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -53,10 +21,16 @@ inline bool can_settle(const Machine& machine) {
   return has_room && machine.spare_limbs() == 0 && free[0] && free[1] && free[2];
 }
 
+/// A limb of a machine, rounded to Scalar last. Real-time: yes.
+template <typename Scalar = double>
+ClosureLimb<Scalar> closure_limb(const Machine& machine, std::size_t number) {
+  return limb_of<Scalar>(numbers_of<double>(machine.limbs[number]));
+}
+
 template <std::size_t N, typename Scalar = double>
 ClosureLimbs<Scalar, N> closure_limbs(const Machine& machine) {
   ClosureLimbs<Scalar, N> limbs;
-  for (std::size_t i = 0; i < N; ++i) limbs[i] = limb_of<Scalar>(numbers_of(closure_limb(machine, i)));
+  for (std::size_t i = 0; i < N; ++i) limbs[i] = closure_limb<Scalar>(machine, i);
   return limbs;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "paracal/mechanism/machine.hpp"
@@ -20,6 +21,10 @@ struct NumberByError {
 /// A machine and how the numbers of its limbs change with its errors: all that the derivative of a pose needs of
 /// build(), found once for all poses.
 struct DifferentiableMachine : Machine {
+  DifferentiableMachine() = default;
+  DifferentiableMachine(const Machine& machine, std::array<std::vector<NumberByError>, kMaxLimbs> slopes)
+      : Machine(machine), by_errors(std::move(slopes)) {}
+
   std::array<std::vector<NumberByError>, kMaxLimbs> by_errors = {};  ///< those that are not zero
 };
 

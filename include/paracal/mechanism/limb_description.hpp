@@ -60,6 +60,8 @@ std::span<const LimbDirection> directions_of(Actuator kind);
 /// where it goes from there, the motor's axis. Of a rail: its upward normal (of one that stands upright: outward from
 /// the z axis), along it, and w_0 = u_0 x v_0.
 Eigen::Matrix3d frame_of(const LimbDescription& limb);
+/// Its first column: outward from z, or of a rail upward from it. alpha0 and alpha3 turn about it.
+inline Eigen::Vector3d radial_of(const LimbDescription& limb) { return frame_of(limb).col(0); }
 
 /// The same limb with harmonics, or without where the pitch is 0.
 LimbDescription with_pitch(LimbDescription limb, double pitch);

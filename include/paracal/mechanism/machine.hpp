@@ -35,7 +35,9 @@ struct BasicMachine {
   PlateFreedoms freedoms = {};  ///< of the plate, without its slide
   bool is_level = false;        ///< parallelograms alone keep the plate level: three of them, or four and a slide
   bool has_guides = false;      ///< guides hold what is not free: no limb has two rods
+  bool has_harmonics = false;   ///< some limb has errors of each turn
   double guided_z = 0.0;        ///< where guides hold z, mm
+  double turn_lever = 0.0;      ///< mm at which the rods feel turns of the plate: half the width of a parallelogram
   std::array<std::uint16_t, kMaxLimbs + 1> first_parameter{};  ///< of each limb, and how many there are
 
   Actuator actuator() const { return limbs[0].actuator; }

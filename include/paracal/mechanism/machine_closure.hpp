@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "paracal/mechanism/limb_closure.hpp"
 
@@ -96,7 +97,8 @@ Vector<Scalar> cross(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept 
 
 /// a + factor b
 template <typename Scalar>
-Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b, Scalar factor = Scalar(1)) noexcept {
+Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b,
+                   std::type_identity_t<Scalar> factor = Scalar(1)) noexcept {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
 }
 
@@ -150,14 +152,24 @@ ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
   return {std::cos(angle), std::sin(angle)};
 }
 
+/// Of a number that is whole; what carries derivatives has a value().
+template <typename Scalar>
+int as_integer(const Scalar& number) noexcept {
+  if constexpr (requires { number.value(); }) {
+    return static_cast<int>(number.value());
+  } else {
+    return static_cast<int>(number);
+  }
+}
+
 template <typename Scalar>
 Drive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
-  return static_cast<Drive>(static_cast<int>(limb.drive));
+  return static_cast<Drive>(as_integer(limb.drive));
 }
 
 template <typename Scalar>
 std::size_t rod_count(const ClosureLimb<Scalar>& limb) noexcept {
-  return static_cast<std::size_t>(limb.rods);
+  return static_cast<std::size_t>(as_integer(limb.rods));
 }
 
 /// Its coordinate is a length, not an angle.
@@ -169,7 +181,8 @@ bool moves_in_mm(const ClosureLimb<Scalar>& limb) noexcept {
 /// cos and sin of an angle of any size.
 template <typename Scalar>
 ArmDirection<Scalar> turn_by_any(const Scalar& angle) noexcept {
-  return {std::cos(angle), std::sin(angle)};
+  using std::cos, std::sin;
+  return {cos(angle), sin(angle)};
 }
 
 /// R of the plate, and the axes about which its three angles turn it: dR p = axis x R p d(tilt).
@@ -242,6 +255,41 @@ ClosedElbow<Scalar> elbow_of(const ClosureLimb<Scalar>& limb, const ArmDirection
   return {u1, v1, sum(limb.base, u1, limb.arm)};
 }
 
+/// The upper ends of the rods of a limb in {O}, and how long its rods are; of one rod twice.
+template <typename Scalar, std::size_t Rods = 2>
+struct UpperEnds {
+  ArmDirection<Scalar> arm;   ///< of unit length
+  ClosedElbow<Scalar> elbow;  ///< between them
+  std::array<Vector<Scalar>, Rods> place;
+  std::array<Scalar, Rods> length;
+};
+
+/// @param arm  of unit length.
+template <std::size_t Rods = 2, typename Scalar>
+UpperEnds<Scalar, Rods> upper_ends(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
+  UpperEnds<Scalar, Rods> ends{arm, elbow_of(limb, arm), {}, {}};
+  if constexpr (Rods == 1) {
+    ends.place[0] = ends.elbow.centre;
+  } else {
+    const Vector<Scalar> half = combination(limb.elbow_half, ends.elbow.u1, ends.elbow.v1, limb.axis);
+    ends.place = {sum(ends.elbow.centre, half), sum(ends.elbow.centre, half, Scalar(-1))};
+  }
+  const bool is_strut = drive_of(limb) == Drive::strut;
+  for (std::size_t j = 0; j < Rods; ++j) ends.length[j] = is_strut ? arm.sine : limb.rod[j];
+  return ends;
+}
+
+/// Their lower ends from O', in {O'}.
+template <std::size_t Rods = 2, typename Scalar>
+std::array<Vector<Scalar>, Rods> lower_ends(const ClosureLimb<Scalar>& limb, const Scalar& phi) noexcept {
+  const Vector<Scalar> centre = plate_joint(limb, phi);
+  if constexpr (Rods == 1) {
+    return {centre};
+  } else {
+    return {sum(centre, limb.plate_half), sum(centre, limb.plate_half, Scalar(-1))};
+  }
+}
+
 /// How the tension |A - C| - l of a rod along n grows with the joint, mm per rad or mm.
 template <typename Scalar>
 Scalar rod_by_joint(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& n, const Vector<Scalar>& v1) noexcept {
@@ -260,14 +308,13 @@ using Arms = std::array<ArmDirection<Scalar>, N>;
 
 /// Closed form of all limbs at a pose, the plate turned as commanded. All triangles come before the first arctangent,
 /// so the short chains of arithmetic of the limbs overlap.
-template <std::size_t N, typename Scalar, std::size_t Size, typename Plate>
-Arms<Scalar, N> closed_arms(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
-                            const Plate& plate) noexcept {
+template <std::size_t N, typename Limbs, typename Scalar, typename Plate>
+Arms<Scalar, N> closed_arms(const Limbs& limbs, const ClosurePose<Scalar>& pose, const Plate& plate) noexcept {
   const Vector<Scalar> position{pose.x, pose.y, pose.z};
   Arms<Scalar, N> arms;
   for (std::size_t i = 0; i < N; ++i) {
-    const Vector<Scalar> joint_at_plate = sum(position, plate.turned(plate_joint(limbs[i], pose.phi)));
-    arms[i] = close_limb(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
+    const Vector<Scalar> joint_at_plate = sum(position, plate.turned(plate_joint<Scalar>(limbs[i], pose.phi)));
+    arms[i] = close_limb<Scalar>(limbs[i], sum(joint_at_plate, limbs[i].base, Scalar(-1)));
   }
   return arms;
 }
@@ -286,20 +333,22 @@ ArmDirection<Scalar> arm_at(const ClosureLimb<Scalar>& limb, const Scalar& joint
   return turn_by_any(place);
 }
 
-/// Joint coordinates to command for arms in these directions.
-template <typename Scalar, std::size_t N, std::size_t Size, typename Joints>
-void joints_of(const ClosureLimbs<Scalar, Size>& limbs, const Arms<Scalar, N>& arms, Joints& joints) noexcept {
+/// Joint coordinate for an arm in this direction.
+template <typename Scalar>
+Scalar joint_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
   using std::atan2;
-  for (std::size_t i = 0; i < N; ++i) {
-    const auto [c, s] = arms[i];
-    joints[i] = moves_in_mm(limbs[i]) ? (s - limbs[i].joint_offset) * limbs[i].joint_per_mm
-                                      : atan2(s, c) - limbs[i].joint_offset;
-  }
+  return moves_in_mm(limb) ? (arm.sine - limb.joint_offset) * limb.joint_per_mm
+                           : atan2(arm.sine, arm.cosine) - limb.joint_offset;
+}
+
+template <typename Limbs, typename Scalar, std::size_t N, typename Joints>
+void joints_of(const Limbs& limbs, const Arms<Scalar, N>& arms, Joints& joints) noexcept {
+  for (std::size_t i = 0; i < N; ++i) joints[i] = joint_of<Scalar>(limbs[i], arms[i]);
 }
 
 /// Arms of unit length.
-template <typename Scalar, std::size_t N, std::size_t Size>
-Arms<Scalar, N> unit_arms(const ClosureLimbs<Scalar, Size>& limbs, const Arms<Scalar, N>& arms) noexcept {
+template <typename Limbs, typename Scalar, std::size_t N>
+Arms<Scalar, N> unit_arms(const Limbs& limbs, const Arms<Scalar, N>& arms) noexcept {
   using std::sqrt;
   Arms<Scalar, N> unit;
   for (std::size_t i = 0; i < N; ++i) {
@@ -317,9 +366,9 @@ using JointRates = std::array<Scalar, 7>;
 /// From n . d(plate joint) + rod_by_joint dq = 0 for every limb, the mean rod along n. Exact for limbs of one rod. For
 /// two, errors of the tilt group change it by their own size.
 /// @param arms  of unit length.
-template <std::size_t N, typename Scalar, std::size_t Size, typename Turned>
-std::array<JointRates<Scalar>, N> joint_rates(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
-                                              const Turned& plate, const Arms<Scalar, N>& arms) noexcept {
+template <std::size_t N, typename Limbs, typename Scalar, typename Turned>
+std::array<JointRates<Scalar>, N> joint_rates(const Limbs& limbs, const ClosurePose<Scalar>& pose, const Turned& plate,
+                                              const Arms<Scalar, N>& arms) noexcept {
   std::array<JointRates<Scalar>, N> rates;
   for (std::size_t i = 0; i < N; ++i) {
     const ClosedElbow<Scalar> elbow = elbow_of(limbs[i], arms[i]);
@@ -377,8 +426,8 @@ Vector<Scalar> about_axes(std::size_t fourth, const TurnedPlate<Scalar>& plate, 
   return {dot(plate.axes[0], v), dot(plate.axes[1], v), dot(plate.axes[2], v)};
 }
 
-template <typename Scalar, std::size_t N, std::size_t Size>
-Pull<Scalar> pull_of_rods(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
+template <typename Limbs, typename Scalar, std::size_t N>
+Pull<Scalar> pull_of_rods(const Limbs& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
                           const TiltedPose<Scalar, N>& state) noexcept {
   using std::sqrt;
   const TurnedPlate<Scalar> plate = plate_at(pose, fourth, state.tilt);
@@ -456,9 +505,9 @@ struct Answer {
   std::array<Vector<Scalar>, 3> by_tilt;  ///< inverse of 2 sum h h^T, h = plate half x n; 0 for a commanded angle
 };
 
-template <typename Scalar, std::size_t N, std::size_t Size>
-Answer<Scalar, N> answer_at(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
-                            std::size_t fourth, const Arms<Scalar, N>& arms) noexcept {
+template <typename Limbs, typename Scalar, std::size_t N>
+Answer<Scalar, N> answer_at(const Limbs& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
+                            const Arms<Scalar, N>& arms) noexcept {
   using std::sqrt;
   const TurnedPlate<Scalar> plate = plate_at(pose, fourth, Vector<Scalar>{Scalar(0), Scalar(0), Scalar(0)});
   Answer<Scalar, N> answer;
@@ -496,10 +545,9 @@ ArmDirection<Scalar> moved_by(const ClosureLimb<Scalar>& limb, const ArmDirectio
 
 /// One step towards balance.
 /// @returns rotations of each arm (of the rods for a length) and of the plate, rad.
-template <typename Scalar, std::size_t N, std::size_t Size>
-std::array<Scalar, N + 3> step(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose,
-                               std::size_t fourth, const Answer<Scalar, N>& answer,
-                               TiltedPose<Scalar, N>& state) noexcept {
+template <typename Limbs, typename Scalar, std::size_t N>
+std::array<Scalar, N + 3> step(const Limbs& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
+                               const Answer<Scalar, N>& answer, TiltedPose<Scalar, N>& state) noexcept {
   const Pull<Scalar> pull = pull_of_rods(limbs, pose, fourth, state);
   std::array<Scalar, N> both;  // change of the sum of a limb's rods
   Vector<Scalar> moment = pull.moment;
@@ -531,9 +579,9 @@ inline constexpr int kMostSteps = 20;  ///< usually three or four
 /// @param arms    the closed form; N is 3, or 4 with a fourth coordinate.
 /// @param joints  of the closed form; of the balance when it is found.
 /// @returns steps; 0 when it is not found, at singular poses.
-template <std::size_t N, typename Scalar, std::size_t Size, typename Joints>
-int settle(const ClosureLimbs<Scalar, Size>& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth,
-           const Arms<Scalar, N>& arms, Joints& joints, Vector<Scalar>& tilt) noexcept {
+template <std::size_t N, typename Limbs, typename Scalar, typename Joints>
+int settle(const Limbs& limbs, const ClosurePose<Scalar>& pose, std::size_t fourth, const Arms<Scalar, N>& arms,
+           Joints& joints, Vector<Scalar>& tilt) noexcept {
   TiltedPose<Scalar, N> state{unit_arms(limbs, arms)};
   const Answer<Scalar, N> answer = answer_at(limbs, pose, fourth, state.arms);
   Scalar before(1);

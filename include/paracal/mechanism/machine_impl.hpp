@@ -11,33 +11,6 @@
 namespace paracal {
 namespace detail {
 
-template <typename Scalar>
-Matrix3<Scalar> rotation_x(const Scalar& angle) {
-  using std::cos, std::sin;
-  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
-  Matrix3<Scalar> rotation;
-  rotation << one, zero, zero, zero, c, -s, zero, s, c;
-  return rotation;
-}
-
-template <typename Scalar>
-Matrix3<Scalar> rotation_y(const Scalar& angle) {
-  using std::cos, std::sin;
-  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
-  Matrix3<Scalar> rotation;
-  rotation << c, zero, s, zero, one, zero, -s, zero, c;
-  return rotation;
-}
-
-template <typename Scalar>
-Matrix3<Scalar> rotation_z(const Scalar& angle) {
-  using std::cos, std::sin;
-  const Scalar c = cos(angle), s = sin(angle), one(1), zero(0);
-  Matrix3<Scalar> rotation;
-  rotation << c, -s, zero, s, c, zero, zero, zero, one;
-  return rotation;
-}
-
 /// Rot(z, gamma) Rot(x, pi/2): columns radial, vertical, radial x vertical.
 inline Eigen::Matrix3d nominal_frame(double azimuth) {
   const double c = std::cos(azimuth), s = std::sin(azimuth);
@@ -52,11 +25,46 @@ struct NominalLimb {
   Eigen::Matrix3d frame;
 };
 
+/// F v: sums of numbers times constants, which cost little on numbers with derivatives.
+template <typename Scalar>
+ClosureVector<Scalar> in_frame(const Eigen::Matrix3d& F, const ClosureVector<Scalar>& v) {
+  const auto row = [&](Eigen::Index k) { return Scalar(F(k, 0) * v[0] + F(k, 1) * v[1] + F(k, 2) * v[2]); };
+  return {row(0), row(1), row(2)};
+}
+
+/// Numbers that carry derivatives do not start at zero.
+template <typename Scalar>
+ClosureVector<Scalar> zero_vector() {
+  return {Scalar(0), Scalar(0), Scalar(0)};
+}
+
+template <typename Scalar>
+ClosureVector<Scalar> shifted(const Eigen::Vector3d& point, const ClosureVector<Scalar>& shift) {
+  return {point.x() + shift[0], point.y() + shift[1], point.z() + shift[2]};
+}
+
 template <typename Scalar, typename ErrorOf>
-Vector3<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
+ClosureVector<Scalar> shift_of_base(const NominalLimb& limb, const ErrorOf& error) {
   if (has(limb.of.kind, "e_x")) return {error("e_x"), error("e_y"), error("e_z")};
   if (has(limb.of.kind, "base_x")) return {error("base_x"), error("base_y"), error("base_z")};
-  return limb.frame.col(0).cast<Scalar>() * error("normal") + limb.frame.col(2).cast<Scalar>() * error("across");
+  return in_frame<Scalar>(limb.frame, {error("normal"), Scalar(0), error("across")});
+}
+
+/// Columns of Rot(x, alpha) Rot(y, beta) and of Rot(x, alpha) Rot(z, beta).
+template <typename Scalar>
+PlateColumns<Scalar> lean_about_y(const Scalar& alpha, const Scalar& beta) {
+  return plate_columns<Scalar>(closure::turn_by_any(alpha), closure::turn_by_any(beta), {Scalar(1), Scalar(0)});
+}
+template <typename Scalar>
+PlateColumns<Scalar> lean_about_z(const Scalar& alpha, const Scalar& beta) {
+  return plate_columns<Scalar>(closure::turn_by_any(alpha), {Scalar(1), Scalar(0)}, closure::turn_by_any(beta));
+}
+
+template <typename Scalar>
+void lean(const Eigen::Matrix3d& frame, const PlateColumns<Scalar>& by, ClosureLimb<Scalar>& limb) {
+  limb.radial = in_frame(frame, by.x);
+  limb.normal = in_frame(frame, by.y);
+  limb.axis = in_frame(frame, by.z);
 }
 
 /// Whether the bars of a parallelogram are no longer parallel to the axis about which its plate can be commanded: they
@@ -70,54 +78,55 @@ bool turns_bars(const LimbDescription& limb, const ErrorOf& error) {
 /// Where the drive takes the upper end of the rods.
 template <typename Scalar, typename ErrorOf>
 void place_drive(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
-  const Matrix3<Scalar> frame = nominal.frame.cast<Scalar>();
   const LimbDescription& of = nominal.of;
-  limb.actuator = nominal.of.kind;
-  limb.radial = nominal.frame.col(0);
-  limb.sideways = nominal.frame.col(2);
-  limb.ahead = of.behind ? -1.0 : 1.0;
-  limb.base = of.base.cast<Scalar>() + shift_of_base<Scalar>(nominal, error);
-  limb.joint_offset = of.zero + error(joint_zero(nominal.of.kind));
+  limb.set_kind(of.kind);
+  limb.ahead = Scalar(of.behind ? -1.0 : 1.0);
+  limb.base = shifted<Scalar>(of.base, shift_of_base<Scalar>(nominal, error));
+  limb.joint_offset = of.zero + error(joint_zero(of.kind));
   limb.arm = Scalar(of.arm);
-  limb.frame = frame;
   if (of.kind.has_harmonics) {
     limb.turn = {Scalar(2.0 * std::numbers::pi / of.pitch), of.turn_sine + error("turn_sine"),
                  of.turn_cosine + error("turn_cosine")};
   }
-  const auto alpha = [&] { return Scalar(of.alpha0 + error("alpha0")); };
-  const auto beta = [&] { return Scalar(of.beta0 + error("beta0")); };
-  if (swings_arm(nominal.of.kind)) {
-    limb.arm += error("arm_length");
-    limb.frame = frame * (rotation_x(alpha()) * rotation_y(beta()));
+  if (!swings_arm(of.kind)) limb.joint_per_mm = Scalar(1) / (Scalar(1) + (of.gain + error("gain")) / kGainLength);
+  if (limb.is_strut()) {
+    limb.joint_offset += of.length;
+    limb.radial = shifted(nominal.frame.col(0), zero_vector<Scalar>());
+    limb.normal = shifted(nominal.frame.col(1), zero_vector<Scalar>());
+    limb.axis = shifted(nominal.frame.col(2), zero_vector<Scalar>());
     return;
   }
-  limb.gain = Scalar(1) + (of.gain + error("gain")) / Scalar(kGainLength);
-  if (runs_on_rail(nominal.of.kind)) limb.frame = frame * (rotation_x(alpha()) * rotation_z(beta()));
+  const Scalar alpha = of.alpha0 + error("alpha0"), beta = of.beta0 + error("beta0");
+  if (swings_arm(of.kind)) limb.arm += error("arm_length");
+  lean<Scalar>(nominal.frame, swings_arm(of.kind) ? lean_about_y(alpha, beta) : lean_about_z(alpha, beta), limb);
 }
 
 template <typename Scalar, typename ErrorOf>
-void hang_one_rod(const NominalLimb& nominal, double width, const ErrorOf& error, BasicLimb<Scalar>& limb) {
-  const Scalar length =
-      nominal.of.length + (has(nominal.of.kind, "rod_length") ? Scalar(error("rod_length")) : Scalar(0));
-  limb.rod = {length, length};
-  limb.plate = nominal.of.plate.cast<Scalar>() + Vector3<Scalar>(error("plate_x"), error("plate_y"), error("plate_z"));
-  limb.elbow_frame = limb.plate_frame = Matrix3<Scalar>::Identity();
-  limb.elbow_width = limb.plate_width = Scalar(width);
+void hang_one_rod(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
+  limb.rod[0] = Scalar(nominal.of.length);
+  if (has(nominal.of.kind, "rod_length")) limb.rod[0] += error("rod_length");
+  limb.rod[1] = limb.rod[0];
+  limb.elbow_half = limb.plate_half = zero_vector<Scalar>();
+  limb.plate = shifted<Scalar>(nominal.of.plate, {error("plate_x"), error("plate_y"), error("plate_z")});
 }
 
 template <typename Scalar, typename ErrorOf>
 void hang_parallelogram(const NominalLimb& nominal, const ErrorOf& error, BasicLimb<Scalar>& limb) {
   const LimbDescription& of = nominal.of;
-  const Scalar leaning = runs_on_rail(nominal.of.kind) ? Scalar(0) : Scalar(of.beta0 + error("beta0"));
-  const Scalar half_difference = Scalar(0.5) * error("rod_difference"), mean = of.length + error("rod_mean");
+  const Scalar half_difference = 0.5 * error("rod_difference"), mean = of.length + error("rod_mean");
   limb.rod = {mean + half_difference, mean - half_difference};
-  limb.plate = of.plate.cast<Scalar>();
-  limb.elbow_frame = rotation_x(Scalar(error("alpha2"))) * rotation_y(Scalar(error("beta2")));
-  limb.elbow_width = of.width + error("width_difference");
-  limb.plate_frame =
-      nominal.frame.cast<Scalar>() * (rotation_x(Scalar(of.alpha0 + error("alpha0") - error("alpha03"))) *
-                                      rotation_y(Scalar(leaning - error("beta03"))));
-  limb.plate_width = Scalar(of.width);
+  limb.plate = shifted(of.plate, zero_vector<Scalar>());
+  const Scalar elbow_half = 0.5 * (of.width + error("width_difference")), plate_half(0.5 * of.width);
+  limb.elbow_half = closure::scaled(lean_about_y(Scalar(error("alpha2")), Scalar(error("beta2"))).z, elbow_half);
+  const Scalar leaning = runs_on_rail(of.kind) ? Scalar(0) : Scalar(of.beta0 + error("beta0"));
+  const Scalar alpha3 = of.alpha0 + error("alpha0") - error("alpha03"), beta3 = leaning - error("beta03");
+  limb.plate_half = closure::scaled(in_frame(nominal.frame, lean_about_y(alpha3, beta3).z), plate_half);
+}
+
+/// mu_i r_g shat.
+template <typename Scalar>
+ClosureVector<Scalar> slide_of(const BasicMachine<Scalar>& machine, double sign) {
+  return shifted(Eigen::Vector3d(sign * machine.pinion_radius * machine.slide_axis), zero_vector<Scalar>());
 }
 
 inline WorkingRange working_range(const Workspace& workspace) {
@@ -140,7 +149,7 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     machine.slide_axis = robot.slide->axis;
     machine.pinion_radius = robot.slide->pinion_radius;
   }
-  const double width = sizes_of(robot.limbs).parallelogram_width;
+  machine.turn_lever = 0.5 * sizes_of(robot.limbs).parallelogram_width;
   std::size_t rods = 0;
   bool turns_bars = false;
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
@@ -148,13 +157,15 @@ BasicMachine<Scalar> build(const RobotDescription& robot, const BasicSourceError
     const auto error = [&](Source source) -> Scalar { return errors(i, source); };
     detail::place_drive<Scalar>(limb, error, machine.limbs[i]);
     machine.limbs[i].slide_sign = robot.slide ? robot.slide->sign[i] : 0.0;
+    machine.limbs[i].slide = detail::slide_of(machine, machine.limbs[i].slide_sign);
     if (on_single_rods(limb.of.kind)) {
-      detail::hang_one_rod<Scalar>(limb, width, error, machine.limbs[i]);
+      detail::hang_one_rod<Scalar>(limb, error, machine.limbs[i]);
     } else {
       detail::hang_parallelogram<Scalar>(limb, error, machine.limbs[i]);
       turns_bars |= detail::turns_bars<Scalar>(limb.of, error);
     }
     rods += limb.of.kind.rods;
+    machine.has_harmonics |= limb.of.kind.has_harmonics;
     const std::span<const Source> own = sources_of(limb.of.kind);
     machine.first_parameter[i + 1] = static_cast<std::uint16_t>(machine.first_parameter[i] + own.size());
     for (const Source source : own) {

@@ -20,7 +20,7 @@ SourceErrors alike(const Robot& robot, Value&& value) {
 
 SourceErrors radial(const Robot& robot, double sign) {
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
-    shift_limb(robot, limb, sign * robot.nominal().limbs[limb].radial, errors);
+    shift_limb(robot, limb, sign * radial_of(robot.limbs()[limb]), errors);
   });
 }
 
@@ -32,7 +32,7 @@ SourceErrors each(const Robot& robot, Source source) {
 SourceErrors longer_arm(const Robot& robot) {
   if (has(robot.actuator(), "arm_length")) return each(robot, "arm_length");
   return alike(robot, [&](std::size_t limb, SourceErrors& errors) {
-    shift_limb(robot, limb, -robot.nominal().limbs[limb].frame.col(0), errors);
+    shift_limb(robot, limb, -as_eigen(robot.nominal().limbs[limb].radial), errors);
   });
 }
 

@@ -75,7 +75,7 @@ bool is_turned_about_itself(const Robot& robot, std::size_t limb) {
   constexpr double kParallel = 1e-9;  // sine
   const Limb& rail = robot.nominal().limbs[limb];
   return runs_on_rail(rail.actuator) && has(rail.actuator, "e_x") &&
-         rail.frame.col(1).cross(rail.radial).norm() < kParallel;
+         as_eigen(rail.normal).cross(radial_of(robot.limbs()[limb])).norm() < kParallel;
 }
 
 }  // namespace
@@ -99,7 +99,8 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
     if (!is_turned_about_itself(robot, limb)) continue;
     const Limb& rail = robot.nominal().limbs[limb];
     SourceErrors errors;
-    shift_limb(robot, limb, rail.arm * rail.radial.cross(rail.frame.col(0)), errors);  // its carriage stays
+    const Eigen::Vector3d radial = radial_of(robot.limbs()[limb]);
+    shift_limb(robot, limb, rail.arm * radial.cross(as_eigen(rail.radial)), errors);  // its carriage stays
     errors(limb, "alpha0") += 1.0;
     motions.push_back({fmt::format("the rail of limb {} turns about itself", limb + 1), errors});
   }
@@ -110,7 +111,7 @@ std::vector<GaugeMotion> gauge_motions(const Robot& robot) {
   for (std::size_t limb = 0; limb < robot.limb_count(); ++limb) {
     if (!slides_on_its_rail(robot, limb)) continue;
     SourceErrors errors;
-    shift_limb(robot, limb, robot.nominal().limbs[limb].frame.col(1), errors);
+    shift_limb(robot, limb, as_eigen(robot.nominal().limbs[limb].normal), errors);
     errors(limb, "theta_offset") -= 1.0;
     motions.push_back({fmt::format("limb {} shifts along its rail and its theta_offset back", limb + 1), errors});
   }
