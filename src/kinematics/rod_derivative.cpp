@@ -6,29 +6,13 @@ namespace paracal::detail {
 
 using closure::dot, closure::scaled;
 
-std::array<double, 2> StandingLimb::levers(double side) const {
-  const double u = side * limb_.elbow_half[0], v = side * limb_.elbow_half[1];
-  switch (limb_.actuator.drive) {
-    case Drive::arm:
-      return {u + limb_.arm, v};
-    case Drive::rail:
-      return {u - limb_.arm, v + arm_.sine};
-    default:
-      return {u, v};
-  }
+closure::Levers<double> StandingLimb::end(double side) const {
+  const auto centre = closure::with_drive<double>(limb_, [&](auto drive) { return drive.levers(limb_, arm_); });
+  return {centre.u + side * limb_.elbow_half[0], centre.v + side * limb_.elbow_half[1]};
 }
 
 double StandingLimb::by_place(double side, const Vector& n) const {
-  switch (limb_.actuator.drive) {
-    case Drive::arm: {
-      const auto [u, v] = levers(side);
-      return v * dot(n, elbow_.u1) - u * dot(n, elbow_.v1);
-    }
-    case Drive::rail:
-      return -dot(n, elbow_.v1);
-    default:
-      return -1.0;
-  }
+  return closure::with_drive<double>(limb_, [&](auto drive) { return drive.by_place(end(side), n, elbow_); });
 }
 
 double StandingLimb::by_joint(double side, const Eigen::Vector3d& n) const {
@@ -36,9 +20,9 @@ double StandingLimb::by_joint(double side, const Eigen::Vector3d& n) const {
 }
 
 ClosureLimb<double> StandingLimb::by_numbers(double side, const Vector& n) const {
-  const bool swings = limb_.actuator.drive == Drive::arm, is_strut = limb_.actuator.drive == Drive::strut;
-  const double c = swings ? arm_.cosine : 1.0, s = swings ? arm_.sine : 0.0;  // of the turn of u_1 and v_1
-  const auto [u, v] = levers(side);
+  const bool is_length = closure::moves_in_mm<double>(limb_);
+  const double c = is_length ? 1.0 : arm_.cosine, s = is_length ? 0.0 : arm_.sine;  // of the turn of u_1 and v_1
+  const auto [u, v] = end(side);
   const Eigen::Vector3d m = rotation_.transpose() * Eigen::Vector3d::Map(n.data());
   ClosureLimb<double> by;
   by.base = scaled(n, -1.0);
@@ -49,11 +33,12 @@ ClosureLimb<double> StandingLimb::by_numbers(double side, const Vector& n) const
   by.slide = scaled(by.plate, phi_);
   by.elbow_half = {-side * dot(n, elbow_.u1), -side * dot(n, elbow_.v1), -side * dot(n, limb_.axis)};
   by.plate_half = scaled(by.plate, side);
-  by.rod = {0.0, 0.0};
-  if (!is_strut) by.rod[side > 0.0 ? 0 : 1] = -1.0;
-  by.arm = is_strut ? 0.0 : dot(n, elbow_.u1) * (swings ? -1.0 : 1.0);
+  closure::with_drive<double>(limb_, [&](auto drive) {
+    by.rod[side > 0.0 ? 0 : 1] = drive.template by_rod<double>();
+    by.arm = drive.by_arm(n, elbow_);
+  });
   by.joint_offset = by_place(side, n);
-  by.joint_per_mm = swings ? 0.0 : by.joint_offset * (limb_.joint_offset - arm_.sine) / limb_.joint_per_mm;
+  by.joint_per_mm = !is_length ? 0.0 : by.joint_offset * (limb_.joint_offset - arm_.sine) / limb_.joint_per_mm;
   by.drive = by.rods = by.ahead = 0.0;
   return by;
 }

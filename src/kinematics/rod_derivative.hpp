@@ -37,8 +37,8 @@ class StandingLimb {
  private:
   using Vector = ClosureVector<double>;
 
-  /// Of the end of a rod, along u_1 and v_1 from the base joint.
-  std::array<double, 2> levers(double side) const;
+  /// The upper end of a rod.
+  closure::Levers<double> end(double side) const;
   double by_place(double side, const Vector& n) const;
   ClosureLimb<double> by_numbers(double side, const Vector& n) const;
 

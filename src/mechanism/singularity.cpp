@@ -48,7 +48,7 @@ double reach_of(const Limb& limb, const Eigen::Vector3d& joint) {
   const Eigen::Vector3d d = limb.frame().transpose() * (joint - as_eigen(limb.base));
   const double rod = limb.mean_rod(), arm = limb.arm;
   if (runs_on_rail(limb.actuator)) return 1.0 - (std::pow(d.x() + arm, 2) + d.z() * d.z()) / (rod * rod);
-  const double K = d.squaredNorm() + arm * arm - rod * rod;  // close_triangle()
+  const double K = d.squaredNorm() + arm * arm - rod * rod;  // as of ArmDrive::close()
   return (4.0 * arm * arm * d.head<2>().squaredNorm() - K * K) / std::pow(2.0 * arm * rod, 2);
 }
 

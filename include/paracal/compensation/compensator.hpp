@@ -1,9 +1,9 @@
 #pragma once
 
 // The compensator that runs in a controller: from a commanded pose to the joint coordinates that bring the identified
-// machine there. This header, machine_closure.hpp, limb_closure.hpp, linear_limb.hpp and drive_curve.hpp need only the
-// standard library and may be copied alone. Everything in them is real-time safe: noexcept, no allocation, no lock, no
-// exception, no unbounded loop, no state between calls.
+// machine there. This header and those of mechanism/ that it includes (machine_closure.hpp, limb_closure.hpp, drives/,
+// linear_limb.hpp and drive_curve.hpp) need only the standard library and may be copied alone. Everything in them is
+// real-time safe: noexcept, no allocation, no lock, no exception, no unbounded loop, no state between calls.
 //
 // Its parameters are computed once, outside the control thread, by compensator_parameters (parameters.hpp).
 

@@ -1,22 +1,19 @@
 #pragma once
 
-// How a limb closes, once: the library's limbs (limb.hpp, on Eigen) and the compensator of a controller
-// (compensation/compensator.hpp) are facades of these lines, and exports for other languages are printed from them.
-// Over any scalar that has sqrt and copysign. Standard library alone; real-time: yes (no allocation, no exception, no
-// loop).
+// What a limb is to a closure, and the arithmetic of closures: over double, float, numbers that carry derivatives, the
+// lanes of a vector register, or formulas that are printed for another language. Standard library alone; real-time: yes
+// (no allocation, no exception, no loop).
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 namespace paracal {
 
-/// What a joint moves. A ClosureLimb holds it as a number.
-enum class Drive : std::uint8_t {
-  arm,    ///< C = b + L u_1, u_1 = cos(th) u_0 + sin(th) v_0,  th = q + joint_offset
-  rail,   ///< C = b - L u_0 + s v_0,                           s = q / joint_per_mm + joint_offset
-  strut,  ///< C = b, a rod of the length                       s = q / joint_per_mm + joint_offset
-};
+/// What a joint moves: each has its file in drives/. A ClosureLimb holds it as a number.
+enum class Drive : std::uint8_t { arm, rail, strut };
 
 /// Direction of an arm: (cos(th), sin(th)) times any positive factor; on a rail (1, travel of the carriage in mm). NaN
 /// when out of reach.
@@ -25,53 +22,59 @@ struct ArmDirection {
   Scalar cosine, sine;
 };
 
-/// What an arm has to reach, mm: d leads from the base joint b to the plate joint, the rod is the mean of the pair.
 template <typename Scalar>
-struct ArmReach {
-  Scalar radial, normal;  ///< d.u_0, d.v_0
-  Scalar square;          ///< d.d
-  Scalar arm, rod;        ///< L, l
+using ClosureVector = std::array<Scalar, 3>;
+
+/// One limb of a machine, errors included [huang2016, Eq. (1)]: one rod, or two side by side, from the elbow C to the
+/// plate joint; mm, in the base frame {O} unless said otherwise. Plain numbers without padding.
+template <typename Scalar>
+struct ClosureLimb {
+  ClosureVector<Scalar> base{};                      ///< b_i
+  ClosureVector<Scalar> radial{}, normal{}, axis{};  ///< u_0, v_0, w_0: columns of R_0
+  ClosureVector<Scalar> plate{};                     ///< a_i, in {O'}
+  ClosureVector<Scalar> slide{};                     ///< mu_i r_g shat, in {O'}: motion of A_i per rad of phi
+  ClosureVector<Scalar> elbow_half{};                ///< (c_c / 2) R_2 e_3, along u_1, v_1, w_0; 0 for one rod
+  ClosureVector<Scalar> plate_half{};                ///< (c_a / 2) R_3 e_3, in {O'}; 0 for one rod
+  std::array<Scalar, 2> rod{};                       ///< l_1, l_2; equal for one rod
+  Scalar arm{};                                      ///< L_i
+  Scalar joint_offset{};                             ///< rad, or mm of travel or length
+  Scalar joint_per_mm = Scalar(1);  ///< of rails and struts: mm of the joint coordinate per mm, 1 / gain
+  Scalar drive{};                   ///< a Drive
+  Scalar rods = Scalar(2);          ///< 1 or 2
+  Scalar ahead = Scalar(1);         ///< +1: the carriage is ahead of the plate joint, -1: behind it
 };
 
-/// The same of a carriage on a rail.
-template <typename Scalar>
-struct RailReach {
-  Scalar radial, normal, axial;  ///< d.u_0, d.v_0, d.w_0
-  Scalar arm, rod;               ///< L, l
-};
+template <typename Scalar, std::size_t N>
+using ClosureLimbs = std::array<ClosureLimb<Scalar>, N>;
 
-/// (A^2 + B^2) (cos(th), sin(th)) with A cos(th) + B sin(th) = K; of the two roots the one with the larger cosine. One
-/// square root and no division, since only the direction of the arm matters.
-template <typename Scalar>
-ArmDirection<Scalar> outward_direction(const Scalar& a, const Scalar& b, const Scalar& k) noexcept {
-  using std::copysign, std::sqrt;
-  const Scalar w = copysign(sqrt(a * a + b * b - k * k), -b);
-  return {a * k - b * w, b * k + a * w};
+/// Calls task(number) for all numbers of a limb, in their order.
+template <typename Limb, typename Task>
+constexpr void for_each_number(Limb& limb, Task&& task) {
+  for (auto* vector : {&limb.base, &limb.radial, &limb.normal, &limb.axis, &limb.plate, &limb.slide, &limb.elbow_half,
+                       &limb.plate_half}) {
+    for (auto& number : *vector) task(number);
+  }
+  for (auto& number : limb.rod) task(number);
+  for (auto* number : {&limb.arm, &limb.joint_offset, &limb.joint_per_mm, &limb.drive, &limb.rods, &limb.ahead}) {
+    task(*number);
+  }
 }
 
-/// Closes the triangle in closed form: the arm that puts the elbow one rod away from the plate joint. Of the two roots
-/// it takes the working mode with the elbow outward: the larger u_1.u_0.
-///
-///   \f[ |d - L u_1(theta)| = l  \iff  A cos(theta) + B sin(theta) = K
-///       A = 2 L d.u_0,   B = 2 L d.v_0,   K = d.d + L^2 - l^2 \f]
+inline constexpr std::size_t kClosureNumbers = sizeof(ClosureLimb<double>) / sizeof(double);
+
 template <typename Scalar>
-ArmDirection<Scalar> close_triangle(const ArmReach<Scalar>& limb) noexcept {
-  const Scalar diameter = Scalar(2) * limb.arm;
-  const Scalar a = diameter * limb.radial, b = diameter * limb.normal;
-  const Scalar k = limb.square + limb.arm * limb.arm - limb.rod * limb.rod;
-  return outward_direction(a, b, k);
+std::array<Scalar, kClosureNumbers> numbers_of(const ClosureLimb<Scalar>& limb) {
+  std::array<Scalar, kClosureNumbers> numbers;
+  for_each_number(limb, [next = numbers.begin()](const Scalar& number) mutable { *next++ = number; });
+  return numbers;
 }
 
-/// Closes the same triangle where the elbow runs along a rail. Of the two roots it takes the carriage above the plate.
-///
-///   \f[ |d + L u_0 - q v_0| = l  \iff  q = d.v_0 + \sqrt{l^2 - (d.u_0 + L)^2 - (d.w_0)^2} \f]
-///
-/// @returns q with its offset, mm; NaN when out of reach.
-template <typename Scalar>
-Scalar close_on_rail(const RailReach<Scalar>& limb) noexcept {
-  using std::sqrt;
-  const Scalar radial = limb.radial + limb.arm;
-  return limb.normal + sqrt(limb.rod * limb.rod - radial * radial - limb.axial * limb.axial);
+/// The limb of these numbers, which are in any Scalar.
+template <typename Scalar, typename Number>
+ClosureLimb<Scalar> limb_of(const std::array<Number, kClosureNumbers>& numbers) {
+  ClosureLimb<Scalar> limb;
+  for_each_number(limb, [next = numbers.begin()](Scalar& number) mutable { number = static_cast<Scalar>(*next++); });
+  return limb;
 }
 
 /// Columns of R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
@@ -90,4 +93,103 @@ PlateColumns<Scalar> plate_columns(const ArmDirection<Scalar>& a, const ArmDirec
           {sb, -(sa * cb), ca * cb}};
 }
 
+namespace closure {
+
+template <typename Scalar>
+using Vector = ClosureVector<Scalar>;
+
+template <typename Scalar>
+Scalar dot(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <typename Scalar>
+Vector<Scalar> cross(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// a + factor b
+template <typename Scalar>
+Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b,
+                   std::type_identity_t<Scalar> factor = Scalar(1)) noexcept {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+
+template <typename Scalar>
+Vector<Scalar> scaled(const Vector<Scalar>& a, Scalar factor) noexcept {
+  return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// x a + y b + z c
+template <typename Scalar>
+Vector<Scalar> combination(const Vector<Scalar>& weights, const Vector<Scalar>& a, const Vector<Scalar>& b,
+                           const Vector<Scalar>& c) noexcept {
+  const auto [x, y, z] = weights;
+  return {x * a[0] + y * b[0] + z * c[0], x * a[1] + y * b[1] + z * c[1], x * a[2] + y * b[2] + z * c[2]};
+}
+
+/// cos and sin by their series, to 3e-17 for angles within 0.1 rad.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by_series(Scalar angle) noexcept {
+  const Scalar one(1), u = angle * angle;
+  const auto part = [&](double of) { return u * Scalar(1.0 / of); };  // divisions are slow on small controllers
+  return {one - part(2.0) * (one - part(12.0) * (one - part(30.0) * (one - part(56.0)))),
+          angle * (one - part(6.0) * (one - part(20.0) * (one - part(42.0) * (one - part(72.0)))))};
+}
+
+inline constexpr double kSeriesReach = 0.1;  ///< rad
+
+/// cos and sin of an angle that is nearly always small.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
+  if (std::abs(angle) <= Scalar(kSeriesReach)) return turn_by_series(angle);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+/// cos and sin of an angle of any size.
+template <typename Scalar>
+ArmDirection<Scalar> turn_by_any(const Scalar& angle) noexcept {
+  using std::cos, std::sin;
+  return {cos(angle), sin(angle)};
+}
+
+/// Of a number that is whole; what carries derivatives has a value().
+template <typename Scalar>
+int as_integer(const Scalar& number) noexcept {
+  if constexpr (requires { number.value(); }) {
+    return static_cast<int>(number.value());
+  } else {
+    return static_cast<int>(number);
+  }
+}
+
+template <typename Scalar>
+Drive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
+  return static_cast<Drive>(as_integer(limb.drive));
+}
+
+template <typename Scalar>
+std::size_t rod_count(const ClosureLimb<Scalar>& limb) noexcept {
+  return static_cast<std::size_t>(as_integer(limb.rods));
+}
+
+/// The elbow (of a rail the carriage, of a strut its base joint) in {O}: its centre C and the directions fixed to its
+/// short side.
+template <typename Scalar>
+struct ClosedElbow {
+  Vector<Scalar> u1, v1, centre;
+};
+
+/// From the base joint of a limb along u_1 and v_1, mm.
+template <typename Scalar>
+struct Levers {
+  Scalar u, v;
+};
+
+template <typename Scalar>
+Scalar mean_rod(const ClosureLimb<Scalar>& limb) noexcept {
+  return Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
+}
+
+}  // namespace closure
 }  // namespace paracal

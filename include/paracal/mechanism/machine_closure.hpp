@@ -1,75 +1,21 @@
 #pragma once
 
-// How a machine closes, once: the library's inverse with errors (kinematics/inverse.hpp), the compensator of a
-// controller (compensation/compensator.hpp) and all exports are these lines, over double, float, the lanes of a vector
-// register, or formulas that are printed for another language. They need only the standard library and
-// limb_closure.hpp. Real-time: yes (noexcept, no allocation, no exception, no unbounded loop).
+// How a machine closes, once: the library's kinematics, the compensator of a controller (compensation/compensator.hpp)
+// and all exports are these lines, over double, float, the lanes of a vector register, or formulas that are printed for
+// another language. They need only the standard library, limb_closure.hpp and drives/. Real-time: yes (noexcept, no
+// allocation, no exception, no unbounded loop).
 
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <type_traits>
 
+#include "paracal/mechanism/drives/arm.hpp"
+#include "paracal/mechanism/drives/rail.hpp"
+#include "paracal/mechanism/drives/strut.hpp"
 #include "paracal/mechanism/limb_closure.hpp"
 
 namespace paracal {
-
-template <typename Scalar>
-using ClosureVector = std::array<Scalar, 3>;
-
-/// One limb of a machine, errors included [huang2016, Eq. (1)]: one rod, or two side by side, from the elbow C to the
-/// plate joint; mm, in the base frame {O} unless said otherwise. Plain numbers without padding.
-template <typename Scalar>
-struct ClosureLimb {
-  ClosureVector<Scalar> base{};                      ///< b_i
-  ClosureVector<Scalar> radial{}, normal{}, axis{};  ///< u_0, v_0, w_0: columns of R_0
-  ClosureVector<Scalar> plate{};                     ///< a_i, in {O'}
-  ClosureVector<Scalar> slide{};                     ///< mu_i r_g shat, in {O'}: motion of A_i per rad of phi
-  ClosureVector<Scalar> elbow_half{};                ///< (c_c / 2) R_2 e_3, along u_1, v_1, w_0; 0 for one rod
-  ClosureVector<Scalar> plate_half{};                ///< (c_a / 2) R_3 e_3, in {O'}; 0 for one rod
-  std::array<Scalar, 2> rod{};                       ///< l_1, l_2; equal for one rod
-  Scalar arm{};                                      ///< L_i
-  Scalar joint_offset{};                             ///< rad, or mm of travel or length
-  Scalar joint_per_mm = Scalar(1);  ///< of rails and struts: mm of the joint coordinate per mm, 1 / gain
-  Scalar drive{};                   ///< a Drive
-  Scalar rods = Scalar(2);          ///< 1 or 2
-  Scalar ahead = Scalar(1);         ///< +1: the carriage is ahead of the plate joint, -1: behind it
-};
-
-template <typename Scalar, std::size_t N>
-using ClosureLimbs = std::array<ClosureLimb<Scalar>, N>;
-
-/// Calls task(number) for all numbers of a limb, in their order.
-template <typename Limb, typename Task>
-constexpr void for_each_number(Limb& limb, Task&& task) {
-  for (auto* vector : {&limb.base, &limb.radial, &limb.normal, &limb.axis, &limb.plate, &limb.slide, &limb.elbow_half,
-                       &limb.plate_half}) {
-    for (auto& number : *vector) task(number);
-  }
-  for (auto& number : limb.rod) task(number);
-  for (auto* number : {&limb.arm, &limb.joint_offset, &limb.joint_per_mm, &limb.drive, &limb.rods, &limb.ahead}) {
-    task(*number);
-  }
-}
-
-inline constexpr std::size_t kClosureNumbers = sizeof(ClosureLimb<double>) / sizeof(double);
-
-template <typename Scalar>
-std::array<Scalar, kClosureNumbers> numbers_of(const ClosureLimb<Scalar>& limb) {
-  std::array<Scalar, kClosureNumbers> numbers;
-  for_each_number(limb, [next = numbers.begin()](const Scalar& number) mutable { *next++ = number; });
-  return numbers;
-}
-
-/// The limb of these numbers, which are in any Scalar.
-template <typename Scalar, typename Number>
-ClosureLimb<Scalar> limb_of(const std::array<Number, kClosureNumbers>& numbers) {
-  ClosureLimb<Scalar> limb;
-  for_each_number(limb, [next = numbers.begin()](Scalar& number) mutable { number = static_cast<Scalar>(*next++); });
-  return limb;
-}
 
 /// A commanded pose: O' in {O}, mm; phi of an end-effector on a slide, rad; tilts of a plate that can be turned, rad:
 /// R = Rot(x, tilt_x) Rot(y, tilt_y) Rot(z, tilt_z).
@@ -81,39 +27,6 @@ struct ClosurePose {
 };
 
 namespace closure {
-
-template <typename Scalar>
-using Vector = ClosureVector<Scalar>;
-
-template <typename Scalar>
-Scalar dot(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-template <typename Scalar>
-Vector<Scalar> cross(const Vector<Scalar>& a, const Vector<Scalar>& b) noexcept {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// a + factor b
-template <typename Scalar>
-Vector<Scalar> sum(const Vector<Scalar>& a, const Vector<Scalar>& b,
-                   std::type_identity_t<Scalar> factor = Scalar(1)) noexcept {
-  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
-}
-
-template <typename Scalar>
-Vector<Scalar> scaled(const Vector<Scalar>& a, Scalar factor) noexcept {
-  return {a[0] * factor, a[1] * factor, a[2] * factor};
-}
-
-/// x a + y b + z c
-template <typename Scalar>
-Vector<Scalar> combination(const Vector<Scalar>& weights, const Vector<Scalar>& a, const Vector<Scalar>& b,
-                           const Vector<Scalar>& c) noexcept {
-  const auto [x, y, z] = weights;
-  return {x * a[0] + y * b[0] + z * c[0], x * a[1] + y * b[1] + z * c[1], x * a[2] + y * b[2] + z * c[2]};
-}
 
 template <typename Scalar, std::size_t Size>
 bool all_finite(const std::array<Scalar, Size>& values, std::size_t count = Size) noexcept {
@@ -134,55 +47,23 @@ std::array<Vector<Scalar>, 3> inverse_of_symmetric(const std::array<Vector<Scala
   return inverse;
 }
 
-/// cos and sin by their series, to 3e-17 for angles within 0.1 rad.
-template <typename Scalar>
-ArmDirection<Scalar> turn_by_series(Scalar angle) noexcept {
-  const Scalar one(1), u = angle * angle;
-  const auto part = [&](double of) { return u * Scalar(1.0 / of); };  // divisions are slow on small controllers
-  return {one - part(2.0) * (one - part(12.0) * (one - part(30.0) * (one - part(56.0)))),
-          angle * (one - part(6.0) * (one - part(20.0) * (one - part(42.0) * (one - part(72.0)))))};
-}
-
-inline constexpr double kSeriesReach = 0.1;  ///< rad
-
-/// cos and sin of an angle that is nearly always small.
-template <typename Scalar>
-ArmDirection<Scalar> turn_by(Scalar angle) noexcept {
-  if (std::abs(angle) <= Scalar(kSeriesReach)) return turn_by_series(angle);
-  return {std::cos(angle), std::sin(angle)};
-}
-
-/// Of a number that is whole; what carries derivatives has a value().
-template <typename Scalar>
-int as_integer(const Scalar& number) noexcept {
-  if constexpr (requires { number.value(); }) {
-    return static_cast<int>(number.value());
-  } else {
-    return static_cast<int>(number);
+/// Calls task(drive) with the one of drives/ that a limb has.
+template <typename Scalar, typename Task>
+constexpr auto with_drive(const ClosureLimb<Scalar>& limb, Task&& task) noexcept {
+  switch (drive_of(limb)) {
+    case Drive::arm:
+      return task(ArmDrive{});
+    case Drive::rail:
+      return task(RailDrive{});
+    default:
+      return task(StrutDrive{});
   }
-}
-
-template <typename Scalar>
-Drive drive_of(const ClosureLimb<Scalar>& limb) noexcept {
-  return static_cast<Drive>(as_integer(limb.drive));
-}
-
-template <typename Scalar>
-std::size_t rod_count(const ClosureLimb<Scalar>& limb) noexcept {
-  return static_cast<std::size_t>(as_integer(limb.rods));
 }
 
 /// Its coordinate is a length, not an angle.
 template <typename Scalar>
 bool moves_in_mm(const ClosureLimb<Scalar>& limb) noexcept {
-  return drive_of(limb) != Drive::arm;
-}
-
-/// cos and sin of an angle of any size.
-template <typename Scalar>
-ArmDirection<Scalar> turn_by_any(const Scalar& angle) noexcept {
-  using std::cos, std::sin;
-  return {cos(angle), sin(angle)};
+  return with_drive(limb, [](auto drive) { return drive.is_length; });
 }
 
 /// R of the plate, and the axes about which its three angles turn it: dR p = axis x R p d(tilt).
@@ -222,37 +103,54 @@ Vector<Scalar> plate_joint(const ClosureLimb<Scalar>& limb, const Scalar& phi) n
   return sum(limb.plate, limb.slide, phi);
 }
 
-/// Position of the drive at one mean rod length from the plate joint, d from b_i.
+/// Position of the drive at one mean rod length from the plate joint, d from b_i; NaN when out of reach.
 template <typename Scalar>
 ArmDirection<Scalar> close_limb(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& d) noexcept {
-  using std::sqrt;
-  const Drive drive = drive_of(limb);
-  if (drive == Drive::strut) return {Scalar(1), sqrt(dot(d, d))};
-  const Scalar rod = Scalar(0.5) * (limb.rod[0] + limb.rod[1]);
-  const Scalar radial = dot(d, limb.radial), normal = dot(d, limb.normal);
-  if (drive == Drive::arm) return close_triangle(ArmReach<Scalar>{radial, normal, dot(d, d), limb.arm, rod});
-  const Scalar travel = close_on_rail(RailReach<Scalar>{radial, limb.ahead * normal, dot(d, limb.axis), limb.arm, rod});
-  return {Scalar(1), limb.ahead * travel};
+  return with_drive(limb, [&](auto drive) -> ArmDirection<Scalar> { return drive.close(limb, d); });
 }
-
-/// The elbow (of a rail the carriage, of a strut its base joint) in {O}: its centre C and the directions fixed to its
-/// short side.
-template <typename Scalar>
-struct ClosedElbow {
-  Vector<Scalar> u1, v1, centre;
-};
 
 /// @param arm  of unit length.
 template <typename Scalar>
 ClosedElbow<Scalar> elbow_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
-  const Drive drive = drive_of(limb);
-  if (drive == Drive::strut) return {limb.radial, limb.normal, limb.base};
-  if (drive == Drive::rail) {
-    return {limb.radial, limb.normal, sum(sum(limb.base, limb.radial, -limb.arm), limb.normal, arm.sine)};
-  }
-  const Vector<Scalar> u1 = sum(scaled(limb.radial, arm.cosine), limb.normal, arm.sine);
-  const Vector<Scalar> v1 = sum(scaled(limb.normal, arm.cosine), limb.radial, -arm.sine);
-  return {u1, v1, sum(limb.base, u1, limb.arm)};
+  return with_drive(limb, [&](auto drive) { return drive.elbow(limb, arm); });
+}
+
+/// How long a rod is with the drive there.
+template <typename Scalar>
+Scalar rod_length(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm, std::size_t rod) noexcept {
+  return with_drive(limb, [&](auto drive) -> Scalar { return drive.length(limb, arm, rod); });
+}
+
+/// How the tension |A - C| - l of a rod along n grows with the joint, mm per rad or mm.
+template <typename Scalar>
+Scalar rod_by_joint(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& n, const Vector<Scalar>& v1) noexcept {
+  return with_drive(limb, [&](auto drive) -> Scalar { return drive.rod_by_joint(limb, n, v1); });
+}
+
+/// Where a joint coordinate takes the drive: the unit vector of an arm; of a rail or strut 1, and travel or length.
+template <typename Scalar>
+ArmDirection<Scalar> arm_at(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
+  return with_drive(limb, [&](auto drive) -> ArmDirection<Scalar> {
+    if constexpr (drive.is_length) return drive.at(Scalar(joint / limb.joint_per_mm + limb.joint_offset));
+    return drive.at(Scalar(joint + limb.joint_offset));
+  });
+}
+
+/// Joint coordinate for an arm in this direction, of any length.
+template <typename Scalar>
+Scalar joint_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
+  return with_drive(limb, [&](auto drive) -> Scalar {
+    const Scalar way = drive.place_of(arm) - limb.joint_offset;
+    if constexpr (drive.is_length) return way * limb.joint_per_mm;
+    return way;
+  });
+}
+
+/// Moves an arm, a carriage or a strut by a change of its joint.
+template <typename Scalar>
+ArmDirection<Scalar> moved_by(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
+                              const Scalar& change) noexcept {
+  return with_drive(limb, [&](auto drive) { return drive.moved(limb, arm, change); });
 }
 
 /// The upper ends of the rods of a limb in {O}, and how long its rods are; of one rod twice.
@@ -274,8 +172,7 @@ UpperEnds<Scalar, Rods> upper_ends(const ClosureLimb<Scalar>& limb, const ArmDir
     const Vector<Scalar> half = combination(limb.elbow_half, ends.elbow.u1, ends.elbow.v1, limb.axis);
     ends.place = {sum(ends.elbow.centre, half), sum(ends.elbow.centre, half, Scalar(-1))};
   }
-  const bool is_strut = drive_of(limb) == Drive::strut;
-  for (std::size_t j = 0; j < Rods; ++j) ends.length[j] = is_strut ? arm.sine : limb.rod[j];
+  for (std::size_t j = 0; j < Rods; ++j) ends.length[j] = rod_length(limb, arm, j);
   return ends;
 }
 
@@ -287,19 +184,6 @@ std::array<Vector<Scalar>, Rods> lower_ends(const ClosureLimb<Scalar>& limb, con
     return {centre};
   } else {
     return {sum(centre, limb.plate_half), sum(centre, limb.plate_half, Scalar(-1))};
-  }
-}
-
-/// How the tension |A - C| - l of a rod along n grows with the joint, mm per rad or mm.
-template <typename Scalar>
-Scalar rod_by_joint(const ClosureLimb<Scalar>& limb, const Vector<Scalar>& n, const Vector<Scalar>& v1) noexcept {
-  switch (drive_of(limb)) {
-    case Drive::arm:
-      return -dot(n, v1) * limb.arm;
-    case Drive::rail:
-      return -dot(n, v1) * (Scalar(1) / limb.joint_per_mm);
-    default:
-      return -(Scalar(1) / limb.joint_per_mm);
   }
 }
 
@@ -319,28 +203,6 @@ Arms<Scalar, N> closed_arms(const Limbs& limbs, const ClosurePose<Scalar>& pose,
   return arms;
 }
 
-/// Position of the arm, rad, or of the carriage, mm, for a joint coordinate.
-template <typename Scalar>
-Scalar place_of(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
-  return (moves_in_mm(limb) ? joint / limb.joint_per_mm : joint) + limb.joint_offset;
-}
-
-/// Where a joint coordinate takes the drive: the unit vector of an arm; of a rail or strut 1, and travel or length.
-template <typename Scalar>
-ArmDirection<Scalar> arm_at(const ClosureLimb<Scalar>& limb, const Scalar& joint) noexcept {
-  const Scalar place = place_of(limb, joint);
-  if (moves_in_mm(limb)) return {Scalar(1), place};
-  return turn_by_any(place);
-}
-
-/// Joint coordinate for an arm in this direction.
-template <typename Scalar>
-Scalar joint_of(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm) noexcept {
-  using std::atan2;
-  return moves_in_mm(limb) ? (arm.sine - limb.joint_offset) * limb.joint_per_mm
-                           : atan2(arm.sine, arm.cosine) - limb.joint_offset;
-}
-
 template <typename Limbs, typename Scalar, std::size_t N, typename Joints>
 void joints_of(const Limbs& limbs, const Arms<Scalar, N>& arms, Joints& joints) noexcept {
   for (std::size_t i = 0; i < N; ++i) joints[i] = joint_of<Scalar>(limbs[i], arms[i]);
@@ -349,12 +211,10 @@ void joints_of(const Limbs& limbs, const Arms<Scalar, N>& arms, Joints& joints) 
 /// Arms of unit length.
 template <typename Limbs, typename Scalar, std::size_t N>
 Arms<Scalar, N> unit_arms(const Limbs& limbs, const Arms<Scalar, N>& arms) noexcept {
-  using std::sqrt;
   Arms<Scalar, N> unit;
   for (std::size_t i = 0; i < N; ++i) {
-    const auto [c, s] = arms[i];
-    const Scalar scale = moves_in_mm(limbs[i]) ? Scalar(1) : Scalar(1) / sqrt(c * c + s * s);
-    unit[i] = {c * scale, s * scale};
+    unit[i] =
+        with_drive<Scalar>(limbs[i], [&](auto drive) -> ArmDirection<Scalar> { return drive.of_unit_length(arms[i]); });
   }
   return unit;
 }
@@ -371,12 +231,12 @@ std::array<JointRates<Scalar>, N> joint_rates(const Limbs& limbs, const ClosureP
                                               const Arms<Scalar, N>& arms) noexcept {
   std::array<JointRates<Scalar>, N> rates;
   for (std::size_t i = 0; i < N; ++i) {
-    const ClosedElbow<Scalar> elbow = elbow_of(limbs[i], arms[i]);
-    const Vector<Scalar> lever = plate.turned(plate_joint(limbs[i], pose.phi));
+    const ClosedElbow<Scalar> elbow = elbow_of<Scalar>(limbs[i], arms[i]);
+    const Vector<Scalar> lever = plate.turned(plate_joint<Scalar>(limbs[i], pose.phi));
     const Vector<Scalar> rod = sum(sum({pose.x, pose.y, pose.z}, lever), elbow.centre, Scalar(-1));
     // The length of the rod cancels, but for a strut, whose length is the joint's.
-    const Scalar length = drive_of(limbs[i]) == Drive::strut ? arms[i].sine : Scalar(1);
-    const Vector<Scalar> along = scaled(rod, Scalar(-1) / (length * rod_by_joint(limbs[i], rod, elbow.v1)));
+    const Scalar length = drive_of<Scalar>(limbs[i]) == Drive::strut ? arms[i].sine : Scalar(1);
+    const Vector<Scalar> along = scaled(rod, Scalar(-1) / (length * rod_by_joint<Scalar>(limbs[i], rod, elbow.v1)));
     const Vector<Scalar> moment = cross(lever, along);
     rates[i] = {along[0],
                 along[1],
@@ -445,7 +305,7 @@ Pull<Scalar> pull_of_rods(const Limbs& limbs, const ClosurePose<Scalar>& pose, s
       const Scalar side = j == 0 ? Scalar(1) : Scalar(-1);
       const Vector<Scalar> rod = sum(mean_rod, half_rod, side);
       const Scalar length = sqrt(dot(rod, rod));
-      const Scalar tight = drive_of(limb) == Drive::strut ? state.arms[i].sine : limb.rod[j];
+      const Scalar tight = rod_length(limb, state.arms[i], j);
       const Vector<Scalar> tension = scaled(rod, (length - tight) / length);
       both = sum(both, tension);
       pull.moment = sum(pull.moment, cross(sum(centre, plate_half, side), tension));
@@ -534,15 +394,6 @@ Answer<Scalar, N> answer_at(const Limbs& limbs, const ClosurePose<Scalar>& pose,
   return answer;
 }
 
-/// Moves an arm, a carriage or a strut by a change of its joint.
-template <typename Scalar>
-ArmDirection<Scalar> moved_by(const ClosureLimb<Scalar>& limb, const ArmDirection<Scalar>& arm,
-                              const Scalar& change) noexcept {
-  if (moves_in_mm(limb)) return {arm.cosine, arm.sine + change / limb.joint_per_mm};
-  const auto [c, s] = turn_by(change);
-  return {arm.cosine * c - arm.sine * s, arm.sine * c + arm.cosine * s};
-}
-
 /// One step towards balance.
 /// @returns rotations of each arm (of the rods for a length) and of the plate, rad.
 template <typename Limbs, typename Scalar, std::size_t N>
@@ -561,9 +412,9 @@ std::array<Scalar, N + 3> step(const Limbs& limbs, const ClosurePose<Scalar>& po
   std::array<Scalar, N + 3> changes;
   for (std::size_t i = 0; i < N; ++i) {
     const Scalar change = (both[i] * (Scalar(1) / limbs[i].rods) - dot(answer.moment[i], tilt)) / answer.by_joint[i];
-    state.arms[i] = moved_by(limbs[i], state.arms[i], change);
+    state.arms[i] = moved_by<Scalar>(limbs[i], state.arms[i], change);
     state.moved[i] = state.moved[i] + change;
-    changes[i] = moves_in_mm(limbs[i]) ? change / limbs[i].rod[0] : change;
+    changes[i] = moves_in_mm<Scalar>(limbs[i]) ? change / limbs[i].rod[0] : change;
   }
   for (std::size_t k = 0; k < 3; ++k) changes[N + k] = tilt[k];
   return changes;
