@@ -112,6 +112,7 @@ ACCEPTED = (
     Accepted("problem.toml|strut_problem.toml", r"cost\..*\.(A|B|cost|grade)", "a cost, in any money", ("1e8", "-1e8")),
     Accepted("drawing.toml", r"tolerances\..*_deg", "the length over which a drawing states an orientation: the longer, the less it may turn", LARGE),
     Accepted("printer.cfg", r"delta_calibrate\.radius", "where the firmware probes: the readings say where that was", LARGE),
+    Accepted("printer.cfg|rotary_printer.cfg", r"printer\.max_\w+", "of the firmware alone: no dimension"),
     Accepted("targets.csv", "step", "of no pose: passed on as it stands"),
     Accepted("*.gcode|*.ngc", "[NMGTSP]", "not of motion: passed on as it stands"),
     Accepted("*", "--seed|--threads|--machines|--candidates|--max-machines|--optimal", "a whole number", ("1e8",)),

@@ -161,7 +161,7 @@ struct List<CalibrationInFile> {
     field("stages", &member<&Calibration::stages>, "rough, then fine if the readings determine enough");
     field("residual_rms_mm", rms,
           "of the distances to home (points) or of the distances read, after calibration; null: neither was read",
-          kNotNegative);
+          kSize);
     field("readings", &member<&Calibration::readings>, "number of readings; more than 20,000 are not listed one by one",
           kCount);
     const auto region = [](const Of& in_file) {
