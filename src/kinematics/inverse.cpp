@@ -36,7 +36,7 @@ template <typename JointAt>
   InverseResult result{.status = InverseStatus::reached, .joints = Joints(machine.limb_count)};
   double sum = 0.0;  // is finite only where all joints are
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
-    const double joint = closure::joint_of<double>(machine.limbs[i], arms[i]);
+    const auto joint = closure::joint_of<double>(machine.limbs[i], arms[i]);
     result.joints(static_cast<Eigen::Index>(i)) = joint;
     sum += joint;
   }
