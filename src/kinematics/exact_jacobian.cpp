@@ -49,13 +49,12 @@ ExactJacobian differentiate(const DifferentiableMachine& machine, const PlateSta
     }
   }
   const PlateRotation<double> turn = plate_rotation(plate.tilt);
-  const double phi = machine.rotation_of(plate.slide);
   jacobian.plate.resize(detail::kUnknowns<N>, static_cast<Eigen::Index>(machine.parameter_count()));
   int row = 0;
   for (int i = 0; i < detail::limbs_of<N>(machine); ++i) {
     const Limb& limb = machine.limbs[i];
     const std::vector<NumberByError>& slopes = machine.by_errors[i];
-    const detail::StandingLimb standing(limb, ends[i], joints(i), phi, turn.matrix);
+    const detail::StandingLimb standing(limb, ends[i], joints(i), turn.matrix);
     const Eigen::Index first = machine.first_parameter[i], count = machine.first_parameter[i + 1] - first;
     std::array<detail::SourceRow, 2> rods;
     std::array<detail::Unknowns<N>, 2> by_rod;  // of the plate

@@ -25,8 +25,7 @@ void name_unreachable(InverseResult& result) {
 /// before the first arctangent: the short chains of arithmetic then overlap, limb with limb.
 /// @param joint_at  the joint of a limb at the plate, from O', in {O}.
 template <typename JointAt>
-[[gnu::flatten]] InverseResult closed_inverse(const Machine& machine, const Pose& pose, const JointAt& joint_at,
-                                              MostArms& arms) {
+InverseResult closed_inverse(const Machine& machine, const Pose& pose, const JointAt& joint_at, MostArms& arms) {
   const auto position = closure_vector<double>(pose.position);
   for (std::size_t i = 0; i < machine.limb_count; ++i) {
     const Limb& limb = machine.limbs[i];
@@ -44,7 +43,7 @@ template <typename JointAt>
   return result;
 }
 
-InverseResult closed_inverse(const Machine& machine, const Pose& pose, MostArms& arms) {
+[[gnu::flatten]] InverseResult closed_inverse(const Machine& machine, const Pose& pose, MostArms& arms) {
   if (machine.is_level) {
     return closed_inverse(
         machine, pose, [&](const Limb& limb) { return closure::plate_joint<double>(limb, pose.rotation); }, arms);
@@ -86,7 +85,7 @@ void settle_any(const Machine& machine, const Pose& pose, InverseResult& result)
     Eigen::Index row = 0;
     for (Eigen::Index i = 0; i < limbs; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const detail::StandingLimb limb(machine.limbs[k], ends[k], result.joints(i), 0.0, rotation);
+      const detail::StandingLimb limb(machine.limbs[k], ends[k], result.joints(i), rotation);
       for (std::size_t j = 0; j < machine.limbs[k].actuator.rods; ++j, ++row) {
         system.col(i) +=
             linear.jacobian.row(row).transpose() * limb.by_joint(j == 0 ? 1.0 : -1.0, linear.direction[row]);

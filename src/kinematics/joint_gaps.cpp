@@ -36,7 +36,7 @@ Stand stand(const DifferentiableMachine& machine, const PlateState& plate, const
             Eigen::MatrixXd::Zero(limbs, static_cast<Eigen::Index>(machine.parameter_count()))};
   for (Eigen::Index i = 0; i < limbs; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const StandingLimb limb(machine.limbs[k], ends[k], fitting(i), machine.rotation_of(plate.slide), rotation);
+    const StandingLimb limb(machine.limbs[k], ends[k], fitting(i), rotation);
     const double per_joint = limb.by_joint(1.0, linear.direction[k]);
     const SourceRow own = limb.by_errors(machine.by_errors[k], 1.0, linear.direction[k]);
     all.by_parameter.row(i).segment(machine.first_parameter[k], own.size()) = own / per_joint;

@@ -30,7 +30,7 @@ ClosureLimb<double> StandingLimb::by_numbers(double side, const Vector& n) const
   by.normal = scaled(n, -u * s - v * c);
   by.axis = scaled(n, -side * limb_.elbow_half[2]);
   by.plate = closure_vector<double>(m);
-  by.slide = scaled(by.plate, phi_);
+  by.slide = {};  // changes with no error
   by.elbow_half = {-side * dot(n, elbow_.u1), -side * dot(n, elbow_.v1), -side * dot(n, limb_.axis)};
   by.plate_half = scaled(by.plate, side);
   closure::with_drive<double>(limb_, [&](auto drive) {

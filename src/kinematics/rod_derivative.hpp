@@ -19,12 +19,12 @@ using SourceRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, s
 /// in the letters of ClosureLimb.
 class StandingLimb {
  public:
-  /// @param ends   of its rods at a joint as commanded.
-  /// @param plate  that stands there, and its R.
+  /// @param ends      of its rods at a joint as commanded.
+  /// @param rotation  of the plate that stands there.
   template <std::size_t Rods>
-  StandingLimb(const Limb& limb, const closure::UpperEnds<double, Rods>& ends, double joint, double phi,
+  StandingLimb(const Limb& limb, const closure::UpperEnds<double, Rods>& ends, double joint,
                const Eigen::Matrix3d& rotation)
-      : limb_(limb), arm_(ends.arm), elbow_(ends.elbow), rotation_(rotation), joint_(joint), phi_(phi) {}
+      : limb_(limb), arm_(ends.arm), elbow_(ends.elbow), rotation_(rotation), joint_(joint) {}
 
   /// df / dq: mm of a rod's residual per rad or mm of where the joint is.
   /// @param n  from the upper end of the rod along it.
@@ -46,7 +46,7 @@ class StandingLimb {
   const ArmDirection<double>& arm_;
   const closure::ClosedElbow<double>& elbow_;
   const Eigen::Matrix3d& rotation_;
-  double joint_, phi_;
+  double joint_;
 };
 
 }  // namespace paracal::detail
