@@ -34,7 +34,7 @@ ClosureLimb<double> StandingLimb::by_numbers(double side, const Vector& n) const
   by.elbow_half = {-side * dot(n, elbow_.u1), -side * dot(n, elbow_.v1), -side * dot(n, limb_.axis)};
   by.plate_half = scaled(by.plate, side);
   closure::with_drive<double>(limb_, [&](auto drive) {
-    by.rod[side > 0.0 ? 0 : 1] = drive.template by_rod<double>();
+    by.rod[side > 0.0 ? 0 : 1] = drive.by_rod();
     by.arm = drive.by_arm(n, elbow_);
   });
   by.joint_offset = by_place(side, n);

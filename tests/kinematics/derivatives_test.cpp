@@ -11,6 +11,7 @@
 #include "paracal/mechanism/machine_impl.hpp"
 #include "support/differences.hpp"
 #include "support/robots.hpp"
+#include "support/rod_residuals.hpp"
 
 namespace paracal::derivatives_test {
 namespace {
@@ -62,7 +63,7 @@ TEST_P(DerivativeLaw, ClosureJacobianAgainstAutomaticDerivatives) {
         dual_errors(limb, source) = constant(errors(limb, source));
       dual_joints[limb] = constant(joints(static_cast<Eigen::Index>(limb)));
     }
-    const auto dual = rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
+    const auto dual = test::rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
 
     detail::with_limb_count(machine, [&]<int N>() {
       const auto linear = detail::linearize<N>(machine, plate, detail::ends_of<N>(machine, joints));
@@ -104,7 +105,7 @@ TEST_P(DerivativeLaw, SourceJacobianAgainstAutomaticDerivatives) {
       dual_plate.tilt(axis) = constant(pose.plate.tilt(axis));
     }
     dual_plate.slide = constant(pose.plate.slide);
-    const auto dual = rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
+    const auto dual = test::rod_residuals(build(robot.description(), dual_errors), dual_plate, dual_joints);
 
     const ExactJacobian ours = exact_jacobian(machine, pose.plate, joints);
     ASSERT_TRUE(ours.ok);

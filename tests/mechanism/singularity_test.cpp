@@ -15,6 +15,7 @@
 #include "paracal/kinematics/inverse.hpp"
 #include "paracal/units.hpp"
 #include "support/robots.hpp"
+#include "support/rod_residuals.hpp"
 #include "support/virtual_machines.hpp"
 
 namespace paracal::singularity_test {
@@ -34,7 +35,7 @@ Pose random_pose(const Workspace& workspace, test::Random& random) {
 Eigen::VectorXd lengths(const Machine& machine, const PlateState& plate, const Joints& joints) {
   std::array<double, kMaxLimbs> each{};
   std::copy(joints.begin(), joints.end(), each.begin());
-  const auto all = rod_residuals(machine, plate, each);
+  const auto all = test::rod_residuals(machine, plate, each);
   const auto n = static_cast<Eigen::Index>(machine.limb_count);
   if (!machine.is_level) return all.head(n);
   Eigen::VectorXd sorted(2 * n);

@@ -52,11 +52,11 @@ template <typename Scalar, typename Task>
 constexpr auto with_drive(const ClosureLimb<Scalar>& limb, Task&& task) noexcept {
   switch (drive_of(limb)) {
     case Drive::arm:
-      return task(ArmDrive{});
+      return task(ArmDrive<Scalar>{});
     case Drive::rail:
-      return task(RailDrive{});
+      return task(RailDrive<Scalar>{});
     default:
-      return task(StrutDrive{});
+      return task(StrutDrive<Scalar>{});
   }
 }
 
