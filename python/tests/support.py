@@ -19,6 +19,7 @@ DISTANCES, POSES = PUBLISHED / "distances.csv", PUBLISHED / "poses.csv"
 #: A plate with six freedoms: pc.robot() and the program take the file.
 HEXAPOD = SOURCE / "data" / "robots" / "hexapod.toml"
 FIVE_BAR = SOURCE / "data" / "robots" / "five-bar.toml"
+SCREW_DELTA = SOURCE / "tests" / "corpus" / "files" / "screw_delta.toml"
 
 
 def program(*arguments):

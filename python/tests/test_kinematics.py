@@ -5,7 +5,17 @@ import unittest
 
 import numpy as np
 from pandas import DataFrame
-from support import FIVE_BAR, HEXAPOD, TestCase, as_printed, in_deg, pose_rows, pose_table, program
+from support import (
+    FIVE_BAR,
+    HEXAPOD,
+    SCREW_DELTA,
+    TestCase,
+    as_printed,
+    in_deg,
+    pose_rows,
+    pose_table,
+    program,
+)
 
 import paracal as pc
 from paracal import _paracal
@@ -290,6 +300,18 @@ class Derivatives(TestCase):
             more, less = (pc.forward(machine, joints + sign * step).poses for sign in (1, -1))
             slope = (more - less) / 0.02
             self.close(found.joints[..., limb], slope, 1e-5 * np.abs(slope).max())
+
+    def test_a_screw_that_wobbles_moves_the_plate_unevenly(self):
+        robot = pc.robot(SCREW_DELTA)
+        machine = pc.Machine(robot, robot.errors(turn_sine=[0.2, -0.1, 0.15], turn_cosine=0.1))
+        joints = pc.inverse(machine, some_poses(robot, 3)).joints
+        found = pc.jacobian(machine, joints)
+        for limb in range(3):
+            step = np.zeros(3)
+            step[limb] = 0.001
+            more, less = (pc.forward(machine, joints + sign * step) for sign in (1, -1))
+            slope = (more.poses - less.poses) / 0.002
+            self.close(found.joints[:, :4, limb], slope, 1e-5 * np.abs(slope).max())
 
 
 class WrongInput(TestCase):

@@ -1,7 +1,6 @@
 #include "paracal/compensation/path.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -32,13 +31,9 @@ bool all(const Lanes::Mask& mask) {
 
 /// The same limbs in every lane.
 LaneLimbs in_lanes(const ClosureLimbs<double, kCompensatorLimbs>& limbs) {
-  ClosureLimbs<double, kLevelLimbs> level;
-  std::ranges::copy_n(limbs.begin(), kLevelLimbs, level.begin());
-  constexpr std::size_t kNumbers = sizeof(level) / sizeof(double);
-  const auto numbers = std::bit_cast<std::array<double, kNumbers>>(level);
-  std::array<Lanes, kNumbers> lanes;
-  std::ranges::transform(numbers, lanes.begin(), [](double number) { return Lanes(number); });
-  return std::bit_cast<LaneLimbs>(lanes);
+  LaneLimbs lanes;
+  for (std::size_t i = 0; i < kLevelLimbs; ++i) lanes[i] = limb_of<Lanes>(numbers_of(limbs[i]));
+  return lanes;
 }
 
 /// The robot that a closed controller computes with.

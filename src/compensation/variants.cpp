@@ -22,13 +22,12 @@ namespace {
 /// What a variant adds to the joints of the closed form.
 template <std::size_t N, typename Scalar>
 bool move_joints(const Machine& machine, const Pose& pose, int steps, Joints& joints) {
-  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
   const ClosureLimbs<Scalar, N> rounded = closure_limbs<N, Scalar>(machine);
   const ClosurePose<double> at = closure_pose(pose);
-  const closure::Arms<double, N> arms = closure::closed_arms<N>(limbs, at, closure::commanded_plate(at));
-  closure::joints_of(limbs, arms, joints);
+  const closure::Arms<double, N> arms = closure::closed_arms<N>(machine.limbs, at, closure::commanded_plate(at));
+  closure::joints_of(machine.limbs, arms, joints);
   closure::TiltedPose<Scalar, N> state;
-  const closure::Arms<double, N> unit = closure::unit_arms(limbs, arms);
+  const closure::Arms<double, N> unit = closure::unit_arms(machine.limbs, arms);
   for (std::size_t i = 0; i < N; ++i) {
     state.arms[i] = {static_cast<Scalar>(unit[i].cosine), static_cast<Scalar>(unit[i].sine)};
   }
@@ -109,11 +108,10 @@ Joints exact_rate(const Machine& machine, const Pose& pose, std::size_t place) {
 
 template <std::size_t N>
 double rate_error_at(const Machine& machine, const Pose& pose) {
-  const ClosureLimbs<double, N> limbs = closure_limbs<N>(machine);
   const ClosurePose<double> at = closure_pose(pose);
   const auto plate = closure::commanded_plate(at);
-  const auto arms = closure::unit_arms(limbs, closure::closed_arms<N>(limbs, at, plate));
-  const auto rates = closure::joint_rates<N>(limbs, at, plate, arms);
+  const auto arms = closure::unit_arms(machine.limbs, closure::closed_arms<N>(machine.limbs, at, plate));
+  const auto rates = closure::joint_rates<N>(machine.limbs, at, plate, arms);
   double worst = 0.0;
   for (const std::size_t place : commanded_coordinates(machine)) {
     const std::size_t k = among_seven(machine, place);

@@ -14,8 +14,11 @@ namespace paracal::closure {
 /// Its rows at a pose of the nominal robot.
 template <typename Scalar>
 struct LinearLimb {
-  std::array<Scalar, 8> B_d;  ///< of dp_d (CompensatorParameters::position_errors)
-  std::array<Scalar, 6> B_e;  ///< of dp_e (CompensatorParameters::tilt_errors)
+  /// Of dp_d, mm: L theta_offset, e_x, e_y, e_z, arm_length, L alpha0, L beta0, rod_mean; on a rail theta_offset is a
+  /// length, the rod takes the place of L, and gain, mm/m, that of arm_length.
+  std::array<Scalar, 8> B_d;
+  /// Of dp_e, rad: rod_difference / c, width_difference / c, alpha03, beta03, alpha2, beta2.
+  std::array<Scalar, 6> B_e;
   Vector<Scalar> A_de, A_ee;  ///< mm and 1
   Scalar by_joint;            ///< B_m, mm per rad or mm
   Vector<Scalar> rod;         ///< l, unit vector
